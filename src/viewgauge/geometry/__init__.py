@@ -1,0 +1,18 @@
+"""Poses, the pinhole camera, the pose error of the head and its effect on image points."""
+
+from .camera import Camera
+from .image_jacobian import point_jacobian
+from .pose_error import PoseError
+from .poses import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
+
+__all__ = [
+    "Camera",
+    "PoseError",
+    "invert",
+    "look_at",
+    "point_jacobian",
+    "pose_from_quaternion",
+    "quaternion_from_pose",
+    "require_poses",
+    "transform",
+]

@@ -1,0 +1,126 @@
+"""The pose error of the head that carries the camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..exceptions import InputError
+from .poses import require_poses, skew
+
+__all__ = ["PoseError"]
+
+_RELATIVE_PSD_TOLERANCE = (
+    1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
+)
+
+
+@dataclass(frozen=True)
+class PoseError:
+    """A normally distributed small error of the head's pose (paper, eq. 6 and 9).
+
+    A point of the scene, seen from the head, moves by ``delta x q + d`` where q is its position from the head
+    frame's origin: (d, delta) is a perturbation on the left, in the head frame.
+
+    Parameters
+    ----------
+    covariance
+        ``(6, 6)`` covariance of [x, y, z, rx, ry, rz], mm and rad, translation first, head frame, left
+        perturbation.
+    pivot_mm
+        ``(3,)`` mm: origin of the head frame in the camera frame, axes parallel to the camera's.
+    T_camera_head
+        ``(4, 4)`` full pose of the head frame in the camera frame, in place of ``pivot_mm``.
+
+    Raises
+    ------
+    InputError
+        If the covariance is not a finite, symmetric, positive semidefinite 6x6 matrix, or the pose is not rigid.
+    """
+
+    covariance: NDArray[np.float64]
+    pivot_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    T_camera_head: NDArray[np.float64] | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "covariance", _require_covariance(self.covariance))
+        if self.T_camera_head is not None:
+            if tuple(self.pivot_mm) != (0.0, 0.0, 0.0):
+                raise InputError("give pivot_mm or T_camera_head, not both")
+            pose = require_poses(self.T_camera_head, "T_camera_head")
+        else:
+            pivot = np.asarray(self.pivot_mm, dtype=float)
+            if pivot.shape != (3,) or not np.isfinite(pivot).all():
+                raise InputError("pivot_mm must be three finite numbers", got=self.pivot_mm)
+            pose = np.eye(4)
+            pose[:3, 3] = pivot
+        object.__setattr__(self, "T_camera_head", pose)
+
+    @classmethod
+    def from_standard_deviations(
+        cls,
+        translation_mm: ArrayLike,
+        rotation_rad: ArrayLike,
+        *,
+        pivot_mm: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        T_camera_head: NDArray[np.float64] | None = None,
+    ) -> PoseError:
+        """Independent errors with one or three standard deviations for translation (mm) and rotation (rad)."""
+        deviations = np.empty(6)
+        for part, name, value in (
+            (slice(0, 3), "translation_mm", translation_mm),
+            (slice(3, 6), "rotation_rad", rotation_rad),
+        ):
+            given = np.asarray(value, dtype=float)
+            if given.shape not in ((), (3,)) or not np.isfinite(given).all() or (given < 0).any():
+                raise InputError(
+                    f"{name} must be one or three standard deviations, finite and not negative", got=value
+                )
+            deviations[part] = given
+        return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_head=T_camera_head)
+
+    @property
+    def camera_covariance(self) -> NDArray[np.float64]:
+        """The same error as it acts at the camera's centre of projection, camera frame: ``A Sigma A^T``, (6, 6).
+
+        A = [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_head``: the adjoint of the
+        pose, for translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
+        """
+        assert self.T_camera_head is not None  # set in __post_init__
+        R = self.T_camera_head[:3, :3]
+        adjoint = np.zeros((6, 6))
+        adjoint[:3, :3] = adjoint[3:, 3:] = R
+        adjoint[:3, 3:] = skew(self.T_camera_head[:3, 3]) @ R
+        return np.asarray(adjoint @ self.covariance @ adjoint.T)
+
+
+def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
+    try:
+        matrix = np.array(covariance, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError("the covariance must be a 6x6 matrix of numbers") from error
+    if matrix.shape != (6, 6) or not np.isfinite(matrix).all():
+        raise InputError("the covariance must be a finite 6x6 matrix", got=f"shape {matrix.shape}")
+    if (matrix.diagonal() < 0).any():
+        raise InputError("the covariance has a negative variance", got=matrix.diagonal().tolist())
+    # mm and rad differ by orders of magnitude: judge symmetry and eigenvalues on the correlation matrix
+    scale = np.sqrt(matrix.diagonal())
+    scale = np.where(scale > 0, scale, 1.0)
+    correlation = matrix / np.outer(scale, scale)
+    if np.abs(correlation - correlation.T).max() > _RELATIVE_PSD_TOLERANCE:
+        raise InputError(
+            "the covariance is not symmetric", expected="equal entries on both sides of the diagonal"
+        )
+    smallest = float(np.linalg.eigvalsh(correlation)[0])
+    if smallest < -_RELATIVE_PSD_TOLERANCE * 6:
+        raise InputError(
+            "the covariance is not positive semidefinite",
+            got=f"smallest eigenvalue of the correlation matrix {smallest:.3g}",
+            expected="no negative eigenvalue",
+            hint="check the units (mm, rad), the order (translation first) and the number of digits",
+        )
+    symmetric = (matrix + matrix.T) / 2
+    symmetric.flags.writeable = False
+    return symmetric
