@@ -59,9 +59,7 @@ class Camera:
             if int(count) != count or count < 1:
                 raise InputError("resolution must be two positive whole numbers", got=self.resolution)
         if not (np.isfinite(self.edge_resolution_px) and self.edge_resolution_px >= 0):
-            raise InputError(
-                "edge_resolution_px must be finite and not negative", got=self.edge_resolution_px
-            )
+            raise InputError("edge_resolution_px must be finite and not negative", got=self.edge_resolution_px)
         _finite_positive("blur_limit_px", self.blur_limit_px)
         if (self.f_number is None) != (self.focus_distance_mm is None):
             raise InputError(
@@ -119,9 +117,7 @@ class Camera:
 
     def to_pixels(self, image_mm: ArrayLike) -> NDArray[np.float64]:
         """Pixel coordinates ``(..., 2)`` px of image points ``(..., 2)`` mm."""
-        return np.asarray(image_mm, dtype=float) / np.asarray(self.pixel_pitch_mm) + np.asarray(
-            self.principal_point
-        )
+        return np.asarray(image_mm, dtype=float) / np.asarray(self.pixel_pitch_mm) + np.asarray(self.principal_point)
 
     def blur_px(self, depth_mm: ArrayLike) -> NDArray[np.float64]:
         """Diameter of the circle of confusion of a point at a depth, px (thin lens; 0 without an aperture).

@@ -12,9 +12,7 @@ from .poses import require_poses, skew
 
 __all__ = ["PoseError"]
 
-_RELATIVE_PSD_TOLERANCE = (
-    1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
-)
+_RELATIVE_PSD_TOLERANCE = 1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
 
 
 @dataclass(frozen=True)
@@ -75,9 +73,7 @@ class PoseError:
         ):
             given = np.asarray(value, dtype=float)
             if given.shape not in ((), (3,)) or not np.isfinite(given).all() or (given < 0).any():
-                raise InputError(
-                    f"{name} must be one or three standard deviations, finite and not negative", got=value
-                )
+                raise InputError(f"{name} must be one or three standard deviations, finite and not negative", got=value)
             deviations[part] = given
         return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_head=T_camera_head)
 
@@ -110,9 +106,7 @@ def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
     scale = np.where(scale > 0, scale, 1.0)
     correlation = matrix / np.outer(scale, scale)
     if np.abs(correlation - correlation.T).max() > _RELATIVE_PSD_TOLERANCE:
-        raise InputError(
-            "the covariance is not symmetric", expected="equal entries on both sides of the diagonal"
-        )
+        raise InputError("the covariance is not symmetric", expected="equal entries on both sides of the diagonal")
     smallest = float(np.linalg.eigvalsh(correlation)[0])
     if smallest < -_RELATIVE_PSD_TOLERANCE * 6:
         raise InputError(

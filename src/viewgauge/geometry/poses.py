@@ -36,9 +36,7 @@ def require_poses(poses: ArrayLike, name: str = "pose") -> NDArray[np.float64]:
     R = T[..., :3, :3]
     orthogonal = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(initial=0.0) <= _ROTATION_TOLERANCE
     if not orthogonal or (np.linalg.det(R) < 0).any():
-        raise InputError(
-            f"the rotation of {name} is not a rotation", expected="an orthonormal, right-handed 3x3 block"
-        )
+        raise InputError(f"the rotation of {name} is not a rotation", expected="an orthonormal, right-handed 3x3 block")
     if np.abs(T[..., 3, :] - [0, 0, 0, 1]).max(initial=0.0) > 0:
         raise InputError(f"the last row of {name} must be 0 0 0 1")
     return T
