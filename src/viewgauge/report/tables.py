@@ -1,0 +1,128 @@
+"""The tables of the report: dimensions, settings, inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from ..geometry.camera import Camera
+from ..part.dimension import Part
+from ..planning.result import Plan, PlannedDimension, PlannedSetting, Status
+from .palette import setting_colours
+from .wording import DASH, element, length, probability, tolerance
+
+__all__ = ["dimension_table", "fact_table", "setting_table"]
+
+STATUS_WORDS: dict[Status, str] = {"unmet": "not met", "not_measurable": "not measurable", "met": "met"}
+
+
+def _table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
+    """A table; each heading comes with the class of its column (``num`` for numbers)."""
+    cells = "".join(element("th", text, scope="col", class_=kind) for text, kind in head)
+    return (
+        '<div class="scroll"><table><thead>'
+        + element("tr", markup=cells)
+        + "</thead><tbody>"
+        + "".join(rows)
+        + "</tbody></table></div>"
+    )
+
+
+def _setting_mark(name: str | None, colours: Mapping[str, str]) -> str:
+    if name is None:
+        return element("td", DASH)
+    swatch = element("span", class_="swatch", style=f"background:{colours.get(name, 'transparent')}")
+    return element("td", markup=swatch + element("span", name))
+
+
+def _quantity(value: float, kind: str) -> str:
+    """A nominal value: mm, but degrees for an angle."""
+    return f"{length(math.degrees(value))}°" if kind == "angle" and math.isfinite(value) else length(value)
+
+
+def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
+    reached = dimension.gauge is not None
+    surely = element("td", probability(dimension.probability), class_="num", title=repr(float(dimension.probability)))
+    accuracy = dimension.expected_accuracy if reached else math.nan
+    cells = (
+        element("th", dimension.id, scope="row"),
+        element("td", dimension.kind),
+        element("td", _quantity(dimension.nominal_mm, dimension.kind), class_="num"),
+        element("td", tolerance(dimension.tolerance_mm), class_="num"),
+        element("td", length(dimension.allowed_error_mm), class_="num"),
+        element("td", markup=element("span", STATUS_WORDS[dimension.status], class_=f"status {dimension.status}")),
+        surely if dimension.status != "not_measurable" else element("td", DASH, class_="num"),
+        element("td", probability(accuracy), class_="num", title=repr(float(accuracy))),
+        _setting_mark(dimension.setting, colours),
+        element("td", dimension.limit, class_="limit"),
+    )
+    return element("tr", markup="".join(cells), class_=dimension.status)
+
+
+def dimension_table(plan: Plan) -> str:
+    """Every dimension: not met, not measurable, then met; the least sure first in each group."""
+    head = [
+        ("Dimension", ""),
+        ("Kind", ""),
+        ("Nominal / mm", "num"),
+        ("Tolerance / mm", "num"),
+        ("Allowed error / mm", "num"),
+        ("Status", ""),
+        ("Probability", "num"),
+        ("Expected accuracy", "num"),
+        ("Setting", ""),
+        ("Limited by", ""),
+    ]
+    order = list(STATUS_WORDS)
+    ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
+    colours = setting_colours(plan)
+    return _table(head, [_dimension_row(dimension, colours) for dimension in ranked])
+
+
+def working_distance_mm(setting: PlannedSetting, plan: Plan, part: Part) -> float:
+    """Depth, along the optical axis, of the middle of the gauges measured from a setting (of the part if none)."""
+    mine = [d.gauge for d in plan.dimensions if d.setting == setting.id and d.gauge is not None]
+    middle = np.mean(np.concatenate(mine), axis=0) if mine else part.mesh.bounds.mean(axis=0)
+    return float((middle - setting.T_part_camera[:3, 3]) @ setting.T_part_camera[:3, 2])
+
+
+def _vector(values: np.ndarray, digits: int) -> str:
+    rounded = np.round(values, digits) + 0.0  # no minus zero
+    return ", ".join(f"{value:.{digits}f}".replace("-", "−") for value in rounded)
+
+
+def setting_table(plan: Plan, part: Part, camera: Camera) -> str:
+    """Every setting: where it stands, where it looks, and what it measures."""
+    head = [
+        ("Setting", ""),
+        ("Position x, y, z / mm", "num"),
+        ("Viewing direction", "num"),
+        ("Working distance / mm", "num"),
+        ("Pixel on the part / mm", "num"),
+        ("Measures", "num"),
+        ("Dimensions", "limit"),
+    ]
+    colours = setting_colours(plan)
+    rows = []
+    for setting in plan.settings:
+        distance = working_distance_mm(setting, plan, part)
+        pixel = distance * max(camera.pixel_pitch_mm) / camera.focal_length_mm
+        cells = (
+            _setting_mark(setting.id, colours),
+            element("td", _vector(setting.T_part_camera[:3, 3], 1), class_="num"),
+            element("td", _vector(setting.T_part_camera[:3, 2], 3), class_="num"),
+            element("td", f"{distance:.0f}", class_="num"),
+            element("td", f"{pixel:.3f}", class_="num"),
+            element("td", str(len(setting.observes)), class_="num"),
+            element("td", ", ".join(setting.observes), class_="limit"),
+        )
+        rows.append(element("tr", markup="".join(cells)))
+    return _table(head, rows)
+
+
+def fact_table(facts: Mapping[str, str]) -> str:
+    """Names and values, one pair a row."""
+    rows = [element("tr", markup=element("th", k, scope="row") + element("td", v)) for k, v in facts.items()]
+    return '<table class="facts"><tbody>' + "".join(rows) + "</tbody></table>"

@@ -1,0 +1,75 @@
+"""Numbers and marks as the report prints them."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from ..evaluation.requirement import Requirement
+
+__all__ = ["element", "length", "probability", "requirement_text", "tolerance"]
+
+DASH = "–"
+PROBABILITY_DIGITS = 4
+
+
+def element(tag: str, text: str = "", *, markup: str = "", **attributes: str) -> str:
+    """An HTML element with escaped text, or with markup that is safe already.
+
+    Parameters
+    ----------
+    attributes
+        Values are escaped. A trailing underscore is dropped (``class_``).
+    """
+    written = "".join(f' {key.rstrip("_")}="{escape(value)}"' for key, value in attributes.items())
+    return f"<{tag}{written}>{markup or escape(text)}</{tag}>"
+
+
+def probability(value: float) -> str:
+    """A probability or an accuracy to four digits, rounded down: what is printed is reached, and 1 is only 1.
+
+    0.94999 reads 0.9499 and not 0.9500; 0.99996 reads > 0.9999; 0.00002 reads < 0.0001.
+    """
+    if math.isnan(value):
+        return DASH
+    step = 10**PROBABILITY_DIGITS
+    if value == 0 or value >= 1:
+        return f"{value:.0f}"
+    if value > 1 - 1 / step:
+        return f"> {1 - 1 / step:.{PROBABILITY_DIGITS}f}"
+    if 0 < value < 1 / step:
+        return f"< {1 / step:.{PROBABILITY_DIGITS}f}"
+    # 0.9321 * 10000 is 9320.999...: a value on a step stays there
+    return f"{math.floor(value * step + 1e-6) / step:.{PROBABILITY_DIGITS}f}"
+
+
+def length(value: float) -> str:
+    """A length in mm without trailing zeros, to a tenth of a micrometre; a dash where it is undefined."""
+    if not math.isfinite(value):
+        return DASH
+    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text.replace("-", "−")
+
+
+def _deviation(value: float) -> str:
+    return f"+{length(value)}" if value > 0 else length(value)
+
+
+def tolerance(deviations: tuple[float, float] | None) -> str:
+    """A tolerance such as ±0.1 or +0.1 / −0.05; a dash where there is none."""
+    if deviations is None:
+        return DASH
+    lower, upper = deviations
+    if math.isclose(-lower, upper) and upper > 0:
+        return f"±{length(upper)}"
+    return f"{_deviation(upper)} / {_deviation(lower)}"
+
+
+def requirement_text(requirement: Requirement) -> str:
+    """The requirement in words."""
+    stated = {
+        "accuracy": f"accuracy of at least {requirement.value:g}",
+        "error": f"error of at most {length(requirement.value)} mm",
+        "fraction_of_tolerance": f"error of at most {requirement.value:.4g} of the tolerance",
+    }
+    return f"{stated[requirement.kind]}, with a probability of at least {requirement.probability:g}"
