@@ -1,0 +1,262 @@
+"""Gauges of dimensions on parts whose geometry is known exactly."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from breps import callout, drilled_plate, edge, face, moved, prism, slotted_block
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from viewgauge.part import Callout
+from viewgauge.part.gauges import derive_dimensions
+
+SLOT = (7, 9)
+HOLES = [(20.0, 20.0), (20.0, 40.0), (80.0, 20.0)]
+
+
+def only_dimension(brep):
+    dimensions, unusable = derive_dimensions(brep)
+    assert not unusable
+    (dimension,) = dimensions
+    return dimension
+
+
+def only_reason(brep):
+    dimensions, unusable = derive_dimensions(brep)
+    assert not dimensions
+    (entry,) = unusable
+    return entry.reason
+
+
+def distance_to_edge(point, given_edge):
+    start, along = given_edge.points[:-1], np.diff(given_edge.points, axis=0)
+    t = np.clip(np.sum((point - start) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
+    return np.linalg.norm(start + t[:, None] * along - point, axis=1).min()
+
+
+def assert_sound(brep, dimension, value_mm, faces, chord_mm=1e-9):
+    """Every gauge has the geometry's length, ends on visible edges of the faces, with unit normals of theirs."""
+    edges = [brep.edges[i] for f in faces for i in brep.faces[f].edges]
+    visible = [e for e in edges if not e.seam and not e.smooth]
+    assert 1 <= len(dimension.gauges) <= 12
+    for gauge in dimension.gauges:
+        assert gauge.length_mm == pytest.approx(value_mm, abs=1e-6)
+        for point, normals in ((gauge.start, gauge.start_normals), (gauge.end, gauge.end_normals)):
+            assert min(distance_to_edge(point, e) for e in visible) <= chord_mm
+            np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-12)
+            assert len(normals) >= 2
+
+
+def assert_normals_outward(brep, dimension):
+    """A little along all the normals at once is outside the part, for convex corners: beyond its hull."""
+    corners = np.concatenate([e.points for e in brep.edges])
+    for gauge in dimension.gauges:
+        for point, normals in ((gauge.start, gauge.start_normals), (gauge.end, gauge.end_normals)):
+            for normal in normals:
+                assert (corners @ normal).max() <= point @ normal + 1e-6
+
+
+@pytest.mark.parametrize("kind", ["distance", "length"])
+def test_slot_width_is_measured_between_its_walls(kind):
+    solid, walls = slotted_block(), [face(i) for i in SLOT]
+    references = (walls[:1], walls[1:]) if kind == "distance" else (walls, ())
+    brep = solid.brep(callout(kind, 20.0, *references))
+    dimension = only_dimension(brep)
+    assert dimension.kind == kind
+    assert_sound(brep, dimension, 20.0, SLOT)
+
+
+def test_slot_width_can_be_measured_from_above_and_from_both_ends():
+    dimension = only_dimension(slotted_block().brep(callout("distance", 20.0, [face(7)], [face(9)])))
+    for direction in ([0, 0, 1], [0, 1, 0], [0, -1, 0]):
+        assert any(
+            (g.start_normals @ direction > 0.9).any() and (g.end_normals @ direction > 0.9).any()
+            for g in dimension.gauges
+        )
+    mouth = [g for g in dimension.gauges if g.start[2] == g.end[2] == 30]
+    floor = [g for g in dimension.gauges if g.start[2] == g.end[2] == 18 and 0 < g.start[1] < 40]
+    assert mouth, "the outer corners of the mouth"
+    assert len(mouth) >= len(floor), "outer corners come before inner ones"
+
+
+def test_step_length_is_measured_between_end_face_and_riser():
+    brep = slotted_block().brep(callout("distance", 50.0, [face(11)], [face(5)]))
+    assert_sound(brep, only_dimension(brep), 50.0, (11, 5))
+
+
+def test_step_that_faces_the_same_way_is_joined_by_the_step_floor_edges():
+    brep = slotted_block().brep(callout("distance", 10.0, [face(3)], [face(5)]))
+    dimension = only_dimension(brep)
+    assert_sound(brep, dimension, 10.0, (3, 5))
+    assert all(g.start[2] == g.end[2] == 20 for g in dimension.gauges)
+
+
+def test_thickness_of_a_plate_is_measured_on_all_four_sides():
+    brep = prism([(0, 0), (100, 0), (100, 10), (0, 10)], 60.0).brep(callout("length", 10.0, [face(2), face(4)]))
+    dimension = only_dimension(brep)
+    assert_sound(brep, dimension, 10.0, (2, 4))
+    assert_normals_outward(brep, dimension)
+    for side in ([1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]):
+        assert any((g.start_normals @ side).max() == (g.end_normals @ side).max() == 1 for g in dimension.gauges), (
+            f"no gauge on the side {side}"
+        )
+
+
+def test_distance_between_two_edges_and_between_a_face_and_an_edge():
+    solid = slotted_block()
+    brep = solid.brep()
+    mouth = [next(i for i in brep.faces[wall].edges if i in brep.faces[top].edges) for wall, top in ((7, 6), (9, 10))]
+    by_edges = solid.brep(callout("distance", 20.0, [edge(mouth[0])], [edge(mouth[1])]))
+    assert_sound(by_edges, only_dimension(by_edges), 20.0, SLOT)
+    mixed = solid.brep(callout("distance", 20.0, [face(7)], [edge(mouth[1])]))
+    dimension = only_dimension(mixed)
+    assert_sound(mixed, dimension, 20.0, SLOT)
+    assert all(distance_to_edge(g.end, brep.edges[mouth[1]]) < 1e-9 for g in dimension.gauges)
+
+
+def test_edge_length_and_face_length():
+    solid = slotted_block()
+    index = next(i for i, e in enumerate(solid.brep().edges) if np.allclose(np.ptp(e.points, axis=0), [10, 0, 0]))
+    by_edge = solid.brep(callout("length", 10.0, [edge(index)]))
+    dimension = only_dimension(by_edge)
+    assert [g.length_mm for g in dimension.gauges] == [10.0]
+    assert len(dimension.gauges[0].start_normals) == 3, "three faces meet at the corner"
+    across = solid.brep(callout("length", 20.0, [face(8)]))
+    assert_sound(across, only_dimension(across), 20.0, (8,))
+
+
+def test_pattern_of_slots_and_of_ribs():
+    comb = [
+        (0, 0),
+        (50, 0),
+        (50, 20),
+        (40, 20),
+        (40, 10),
+        (30, 10),
+        (30, 20),
+        (20, 20),
+        (20, 10),
+        (10, 10),
+        (10, 20),
+        (0, 20),
+    ]
+    solid = prism(comb, 30.0)
+    walls = {50: 3, 40: 5, 30: 7, 20: 9, 10: 11, 0: 13}
+    faces = solid.brep().faces
+    assert all(faces[index].origin[0] == x for x, index in walls.items())
+    slots, _ = derive_dimensions(solid.brep(callout("length", 10.0, [face(walls[x]) for x in (10, 20, 30, 40)])))
+    assert [d.id for d in slots] == ["D/1", "D/2"], "each face once: two slots, not the rib between them"
+    ribs, _ = derive_dimensions(solid.brep(callout("length", 10.0, [face(i) for i in walls.values()])))
+    assert [d.id for d in ribs] == ["D/1", "D/2", "D/3"]
+    for dimension in (*slots, *ribs):
+        assert all(g.length_mm == pytest.approx(10.0, abs=1e-9) for g in dimension.gauges)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_hole_pattern_has_one_dimension_per_hole(parts):
+    solid, holes = drilled_plate(HOLES[::-1], parts=parts)
+    brep = solid.brep(callout("diameter", 8.0, [face(i) for hole in holes for i in hole], name="HOLE"))
+    dimensions, unusable = derive_dimensions(brep)
+    assert not unusable
+    assert [d.id for d in dimensions] == ["HOLE/1", "HOLE/2", "HOLE/3"]
+    for dimension, centre, hole in zip(dimensions, HOLES, holes[::-1], strict=True):
+        assert_sound(brep, dimension, 8.0, hole, chord_mm=0.02)
+        for gauge in dimension.gauges:
+            np.testing.assert_allclose((gauge.start + gauge.end)[:2] / 2, centre, atol=1e-9)
+            assert gauge.start[2] == gauge.end[2]
+        assert {g.start[2] for g in dimension.gauges} == {0.0, 10.0}, "a through hole has two rims"
+        assert len(dimension.gauges) == 12
+
+
+def test_single_hole_keeps_the_plain_name():
+    solid, (hole,) = drilled_plate(HOLES[:1])
+    assert only_dimension(solid.brep(callout("diameter", 8.0, [face(i) for i in hole], name="HOLE"))).id == "HOLE"
+
+
+def test_diameter_by_rim_edges_and_by_the_plane_they_bound():
+    solid, holes = drilled_plate(HOLES)
+    top_rims = [i for i, e in enumerate(solid.brep().edges) if e.kind == "circle" and e.centre[2] == 10]
+    for references in ([edge(i) for i in top_rims], [face(4)]):
+        dimensions, unusable = derive_dimensions(solid.brep(callout("diameter", 8.0, references)))
+        assert len(dimensions) == len(holes)
+        assert not unusable
+        assert all(g.start[2] == 10 for d in dimensions for g in d.gauges)
+
+
+def test_half_a_hole_with_less_than_half_a_rim_has_no_diameter():
+    solid, (hole,) = drilled_plate(HOLES[:1], parts=3)
+    assert "opposite" in only_reason(solid.brep(callout("diameter", 8.0, [face(hole[0])])))
+
+
+def test_axis_distance_of_equal_holes_is_measured_rim_to_rim():
+    solid, holes = drilled_plate(HOLES)
+    brep = solid.brep(callout("distance", 60.0, [face(i) for i in holes[0]], [face(i) for i in holes[2]]))
+    dimension = only_dimension(brep)
+    assert_sound(brep, dimension, 60.0, (*holes[0], *holes[2]), chord_mm=0.02)
+    for gauge in dimension.gauges:
+        np.testing.assert_allclose(gauge.end - gauge.start, [60, 0, 0], atol=1e-9)
+
+
+def test_smooth_edges_are_no_gauges():
+    solid = prism([(0, 0), (100, 0), (100, 10), (0, 10)], 60.0)
+    brep = solid.brep(callout("length", 10.0, [face(2), face(4)]))
+    right = set(brep.faces[3].edges)
+    smooth = replace(brep, edges=tuple(replace(e, smooth=i in right) for i, e in enumerate(brep.edges)))
+    dimension = only_dimension(smooth)
+    assert all(max(g.start[0], g.end[0]) < 100 for g in dimension.gauges)
+    none = replace(brep, edges=tuple(replace(e, smooth=True) for e in brep.edges))
+    assert "no visible edges" in only_reason(none)
+
+
+def test_unsupported_callouts_are_listed_with_their_reason():
+    solid, (hole,) = drilled_plate(HOLES[:1])
+    cases = {
+        "radius": (callout("radius", 4.0, [face(hole[0])]), "a radius has no pair"),
+        "angle": (callout("angle", 1.0, [face(2)], [face(3)], label="angular location"), "angular location"),
+        "nothing": (callout("distance", 5.0, []), "refers to no face"),
+        "unread": (replace(callout("distance", 5.0, []), problem="lost in translation"), "lost in translation"),
+        "perpendicular": (callout("distance", 10.0, [face(2)], [face(3)]), "not parallel"),
+        "axis": (callout("distance", 20.0, [face(5)], [face(hole[0])]), "an axis has no visible edge"),
+        "value": (callout("distance", 10.5, [face(2)], [face(4)]), "10.5 mm disagrees with the geometry, 10 mm"),
+        "diameter": (callout("diameter", 8.3, [face(i) for i in hole]), "8.3 mm disagrees with the geometry, 8 mm"),
+        "one per cent": (callout("distance", 10.2, [face(2)], [face(4)], tolerance_mm=None), "10.2 mm disagrees"),
+    }
+    brep = solid.brep(*(replace(given, name=name) for name, (given, _) in cases.items()))
+    dimensions, unusable = derive_dimensions(brep)
+    assert not dimensions
+    assert [entry.id for entry in unusable] == list(cases)
+    for entry in unusable:
+        assert cases[entry.id][1] in entry.reason
+
+
+def test_basic_value_and_missing_value_stay_dimensions():
+    solid = prism([(0, 0), (100, 0), (100, 10), (0, 10)], 60.0)
+    basic = only_dimension(solid.brep(callout("distance", 10.0, [face(2)], [face(4)], tolerance_mm=None)))
+    assert basic.tolerance_mm is None
+    without = Callout("D", "distance", "linear distance", float("nan"), None, (face(2),), (face(4),))
+    assert only_dimension(solid.brep(without)).nominal_mm == pytest.approx(10.0)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1),
+    st.lists(st.floats(-500, 500), min_size=3, max_size=3),
+)
+def test_results_move_along_with_the_part(quaternion, translation):
+    solid, (hole,) = drilled_plate(HOLES[:1])
+    brep = solid.brep(
+        callout("length", 10.0, [face(2), face(4)], name="thickness"),
+        callout("diameter", 8.0, [face(i) for i in hole], name="hole"),
+    )
+    R = Rotation.from_quat(quaternion).as_matrix()
+    before, _ = derive_dimensions(brep)
+    after, unusable = derive_dimensions(moved(brep, R, translation))
+    assert not unusable
+    for at_rest, in_motion in zip(before, after, strict=True):
+        assert len(at_rest.gauges) == len(in_motion.gauges)
+        for a, b in zip(at_rest.gauges, in_motion.gauges, strict=True):
+            np.testing.assert_allclose(R @ a.start + translation, b.start, atol=1e-8)
+            np.testing.assert_allclose(R @ a.end + translation, b.end, atol=1e-8)
+            np.testing.assert_allclose(a.start_normals @ R.T, b.start_normals, atol=1e-9)
