@@ -42,10 +42,16 @@ def _quantity(value: float, kind: str) -> str:
     return f"{length(math.degrees(value))}°" if kind == "angle" and math.isfinite(value) else length(value)
 
 
+def _share(value: float) -> str:
+    """A probability or an accuracy, with all its digits for the pointer."""
+    if math.isnan(value):
+        return element("td", DASH, class_="num")
+    return element("td", probability(value), class_="num", title=repr(float(value)))
+
+
 def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
     reached = dimension.gauge is not None
-    surely = element("td", probability(dimension.probability), class_="num", title=repr(float(dimension.probability)))
-    accuracy = dimension.expected_accuracy if reached else math.nan
+    surely = dimension.probability if dimension.status != "not_measurable" else math.nan
     cells = (
         element("th", dimension.id, scope="row"),
         element("td", dimension.kind),
@@ -53,8 +59,8 @@ def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> s
         element("td", tolerance(dimension.tolerance_mm), class_="num"),
         element("td", length(dimension.allowed_error_mm), class_="num"),
         element("td", markup=element("span", STATUS_WORDS[dimension.status], class_=f"status {dimension.status}")),
-        surely if dimension.status != "not_measurable" else element("td", DASH, class_="num"),
-        element("td", probability(accuracy), class_="num", title=repr(float(accuracy))),
+        _share(surely),
+        _share(dimension.expected_accuracy if reached else math.nan),
         _setting_mark(dimension.setting, colours),
         element("td", dimension.limit, class_="limit"),
     )

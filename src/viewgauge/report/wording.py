@@ -26,15 +26,15 @@ def element(tag: str, text: str = "", *, markup: str = "", **attributes: str) ->
 
 
 def probability(value: float) -> str:
-    """A probability or an accuracy to four digits, rounded down: what is printed is reached, and 1 is only 1.
+    """A probability or an accuracy to four digits, rounded down: what is printed is reached, and nothing is certain.
 
-    0.94999 reads 0.9499 and not 0.9500; 0.99996 reads > 0.9999; 0.00002 reads < 0.0001.
+    0.94999 reads 0.9499 and not 0.9500; 0.99996 and 1 read > 0.9999; 0.00002 reads < 0.0001.
     """
     if math.isnan(value):
         return DASH
     step = 10**PROBABILITY_DIGITS
-    if value == 0 or value >= 1:
-        return f"{value:.0f}"
+    if value == 0:
+        return "0"
     if value > 1 - 1 / step:
         return f"> {1 - 1 / step:.{PROBABILITY_DIGITS}f}"
     if 0 < value < 1 / step:

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from viewgauge.evaluation.requirement import Requirement
+from viewgauge.report.wording import length, probability, requirement_text, tolerance
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"),
+    [
+        (0.0, "0"),
+        (1e-9, "< 0.0001"),
+        (0.9321, "0.9321"),
+        (0.94999, "0.9499"),
+        (0.9999, "0.9999"),
+        (0.99996, "> 0.9999"),
+        (1.0, "> 0.9999"),
+        (math.nan, "–"),
+    ],
+)
+def test_probability(value: float, printed: str) -> None:
+    assert probability(value) == printed
+
+
+@given(st.floats(0, 1))
+def test_probability_never_promises_more_than_is_reached(value: float) -> None:
+    printed = probability(value)
+    if printed.startswith("<"):
+        assert 0 < value < 0.0001
+    else:
+        # a value within 1e-10 of a step of the fourth digit is taken to be on it
+        assert float(printed.removeprefix("> ")) <= value + 1e-10
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"),
+    [(60.0, "60"), (25.4, "25.4"), (-0.05, "−0.05"), (100.0, "100"), (-1e-9, "0"), (math.nan, "–")],
+)
+def test_length(value: float, printed: str) -> None:
+    assert length(value) == printed
+
+
+@pytest.mark.parametrize(
+    ("deviations", "printed"),
+    [
+        ((-0.1, 0.1), "±0.1"),
+        ((-0.05, 0.1), "+0.1 / −0.05"),
+        ((0.0, 0.08), "+0.08 / 0"),
+        ((0.02, 0.08), "+0.08 / +0.02"),
+        ((0.0, 0.0), "0 / 0"),
+        (None, "–"),
+    ],
+)
+def test_tolerance(deviations: tuple[float, float] | None, printed: str) -> None:
+    assert tolerance(deviations) == printed
+
+
+@pytest.mark.parametrize(
+    ("requirement", "words"),
+    [
+        (Requirement("accuracy", 0.99, 0.95), "accuracy of at least 0.99"),
+        (Requirement("error", 0.05, 0.95), "error of at most 0.05 mm"),
+        (Requirement("fraction_of_tolerance", 0.1, 0.95), "error of at most 0.1 of the tolerance"),
+    ],
+)
+def test_requirement(requirement: Requirement, words: str) -> None:
+    assert requirement_text(requirement) == f"{words}, with a probability of at least 0.95"
