@@ -1,0 +1,90 @@
+"""Outputs that are complete or absent: written beside their place, then renamed into it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..exceptions import InputError
+
+__all__ = ["atomic_path", "write_text_atomically"]
+
+_STORAGE_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path of the same name and volume, renamed to ``path`` when the block ends well.
+
+    The block may make a file or a folder there. If it raises, what stood at ``path`` before is left as it was.
+    A device or pipe (``/dev/stdout``) is given as it is.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file() and not target.is_dir():
+        yield target
+        return
+    try:
+        workplace = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    try:
+        yield workplace / target.name
+        _move(workplace, target)
+    except OSError as error:
+        if error.errno in _STORAGE_ERRORS:
+            raise _cannot_write(path, error) from error
+        raise
+    finally:
+        shutil.rmtree(workplace, ignore_errors=True)
+
+
+def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
+    """Write a UTF-8 text file whole or not at all; line ends are written as they stand in ``text``.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    if Path(path).is_dir():
+        raise InputError("a file cannot be written where a folder is", file=path, hint="give the path of a file")
+    with atomic_path(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="")
+
+
+def _move(workplace: Path, target: Path) -> None:
+    made = workplace / target.name
+    try:
+        if not target.is_dir():
+            os.replace(made, target)
+            return
+        if not made.is_dir():
+            raise InputError("a file cannot be written where a folder is", file=target, hint="give another path")
+        old = workplace / f"{target.name}.old"  # a folder with content cannot be replaced in one step
+        os.replace(target, old)
+        os.replace(made, target)
+    except OSError as error:
+        raise _cannot_write(target, error) from error
+
+
+def _cannot_write(path: str | os.PathLike[str], error: OSError) -> InputError:
+    folder = Path(path).absolute().parent
+    if not folder.exists():
+        hint = f"create the folder {folder} first"
+    elif not folder.is_dir():
+        hint = f"{folder} is a file, not a folder"
+    elif error.errno in _STORAGE_ERRORS:
+        hint = "free some space on the volume or choose another place"
+    else:
+        hint = "choose a place where you may write"
+    return InputError(f"cannot be written: {error.strerror or error}", file=path, hint=hint)

@@ -1,0 +1,255 @@
+"""The inspection file: what is inspected, with which camera and head, and what is required."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation.requirement import Requirement
+from ..exceptions import InspectionFileError
+from ..geometry import Camera, PoseError
+from ..part.dimension import Observed
+from ..planning.options import CandidateOptions
+from ..visibility.limits import ObservationLimits
+from .covariance_file import read_covariance
+from .inspection_schema import (
+    CameraSection,
+    CandidatesSection,
+    ConeSection,
+    DimensionSection,
+    HeadSection,
+    InspectionSections,
+    ObservationSection,
+    PartSection,
+    PoseSection,
+    RequirementSection,
+)
+from .problems import Problems
+from .text import read_text
+from .validation import build, validate
+from .yaml_tree import YamlTree, parse_yaml
+
+__all__ = ["DimensionEntry", "InspectionFile", "read_inspection_file"]
+
+
+@dataclass(frozen=True)
+class DimensionEntry:
+    """An entry of ``part.dimensions``.
+
+    Parameters
+    ----------
+    id
+        Unique within the file.
+    start_mm, end_mm
+        The two points of a gauge, mm, part frame; both None where the entry changes the dimension of this id
+        that was read from the part's PMI.
+    tolerance_mm
+        (lower, upper) deviation, mm; None where not given.
+    observed
+        What must be seen; None where not given ("ends" for a gauge, unchanged for a dimension of the PMI).
+    line
+        1-based line in the inspection file, for messages.
+    """
+
+    id: str
+    start_mm: tuple[float, float, float] | None
+    end_mm: tuple[float, float, float] | None
+    tolerance_mm: tuple[float, float] | None
+    observed: Observed | None
+    line: int
+
+    @property
+    def is_override(self) -> bool:
+        """The entry changes a dimension of the PMI instead of adding one."""
+        return self.start_mm is None
+
+
+@dataclass(frozen=True)
+class InspectionFile:
+    """An inspection file, all in mm, rad and px.
+
+    Parameters
+    ----------
+    path
+        The file itself.
+    part_file
+        CAD file or mesh; None where the file names none. This and the other paths are as written where absolute,
+        else from the folder of the inspection file; whether they exist is found when they are read.
+    dimensions
+        Gauges of the user's own and changes to dimensions of the PMI.
+    general_tolerance_mm
+        (lower, upper) deviation, mm, of dimensions that have none of their own; None where not given. It is not
+        yet applied to ``dimensions``.
+    settings_file
+        Explicit sensor settings, which take the place of sampled ones; None where not given.
+    covariance_file
+        Where the covariance of ``head`` was read from; None where the file states standard deviations.
+    """
+
+    path: Path
+    part_file: Path | None
+    dimensions: tuple[DimensionEntry, ...]
+    general_tolerance_mm: tuple[float, float] | None
+    camera: Camera
+    head: PoseError
+    requirement: Requirement
+    candidates: CandidateOptions
+    settings_file: Path | None
+    covariance_file: Path | None
+    limits: ObservationLimits
+    seed: int
+
+
+def read_inspection_file(path: str | os.PathLike[str]) -> InspectionFile:
+    """Read and check an inspection file.
+
+    Raises
+    ------
+    InspectionFileError
+        With everything that is wrong with it: file, line, dotted key, what was got and what was expected.
+    """
+    text = read_text(path, InspectionFileError)
+    if text.startswith("ISO-10303-21"):
+        raise InspectionFileError(
+            "this is a STEP file, not an inspection file",
+            file=path,
+            hint="give an inspection file (YAML), whose part.file names the STEP file",
+        )
+    problems = Problems(path)
+    tree = parse_yaml(text, problems)
+    if tree.value is None and not problems.found:
+        problems.add((), "the file is empty", line=1, expected="the sections camera, head and requirement")
+    elif tree.value is not None and not isinstance(tree.value, dict):
+        problems.add((), "not an inspection file", got=_start(tree.value), expected="sections such as 'camera:'")
+    if not isinstance(tree.value, dict):
+        problems.raise_if_any()
+    return _Reader(Path(path), tree, problems).read()
+
+
+class _Reader:
+    """Reads the sections one by one, gathering the problems of all of them."""
+
+    def __init__(self, path: Path, tree: YamlTree, problems: Problems) -> None:
+        self.path = path
+        self.sections = cast(dict[str, object], tree.value)
+        self.problems = problems
+
+    def read(self) -> InspectionFile:
+        """The whole file; raises InspectionFileError."""
+        top = validate(InspectionSections, self.sections, (), self.problems)
+        part = validate(PartSection, self._section("part"), ("part",), self.problems)
+        dimensions = self._dimensions()
+        camera, head, requirement = self._camera(), self._head(), self._requirement()
+        candidates = validate(CandidatesSection, self._section("candidates"), ("candidates",), self.problems)
+        options = self._options(candidates)
+        limits = self._limits()
+        self.problems.raise_if_any()
+        # nothing is None now: each would have left a problem
+        assert top and part and camera and head and requirement and candidates  # noqa: PT018
+        assert options and limits  # noqa: PT018
+        covariance = cast(dict[str, str], self.sections["head"]).get("covariance")
+        return InspectionFile(
+            path=self.path,
+            part_file=self._path(part.file),
+            dimensions=dimensions,
+            general_tolerance_mm=part.general_tolerance,
+            camera=camera,
+            head=head,
+            requirement=requirement,
+            candidates=options,
+            settings_file=self._path(candidates.settings),
+            covariance_file=self._path(covariance),
+            limits=limits,
+            seed=top.seed,
+        )
+
+    def _section(self, name: str) -> object:
+        """An optional section: absent or with nothing below it is the same as one without keys."""
+        value = self.sections.get(name)
+        return {} if value is None else value
+
+    def _below(self, section: str, key: str) -> object:
+        """A value below a section, read apart so that its problems are told even where the section has others."""
+        value = self.sections.get(section)
+        return value.get(key) if isinstance(value, dict) else None
+
+    def _path(self, name: str | None) -> Path | None:
+        return None if name is None else self.path.parent / name
+
+    def _camera(self) -> Camera | None:
+        if "camera" not in self.sections:
+            return None
+        section = validate(CameraSection, self.sections["camera"], ("camera",), self.problems)
+        return build(section.build, ("camera",), self.problems) if section else None
+
+    def _requirement(self) -> Requirement | None:
+        if "requirement" not in self.sections:
+            return None
+        section = validate(RequirementSection, self.sections["requirement"], ("requirement",), self.problems)
+        return build(section.build, ("requirement",), self.problems) if section else None
+
+    def _limits(self) -> ObservationLimits | None:
+        section = validate(ObservationSection, self._section("observation"), ("observation",), self.problems)
+        return build(section.build, ("observation",), self.problems) if section else None
+
+    def _options(self, section: CandidatesSection | None) -> CandidateOptions | None:
+        cone = None
+        if (value := self._below("candidates", "cone")) is not None:
+            cone = validate(ConeSection, value, ("candidates", "cone"), self.problems)
+        return build(section.build, ("candidates",), self.problems, cone) if section else None
+
+    def _dimensions(self) -> tuple[DimensionEntry, ...]:
+        values = self._below("part", "dimensions")
+        entries: dict[str, DimensionEntry] = {}
+        for index, value in enumerate(values if isinstance(values, list) else ()):
+            where = ("part", "dimensions", index)
+            section = validate(DimensionSection, value, where, self.problems)
+            if section is None:
+                continue
+            line = self.problems.line_of(where) or 1
+            if section.id in entries:
+                first = f"'{section.id}', first in line {entries[section.id].line}"
+                self.problems.add((*where, "id"), "the id is used twice", got=first, expected="a unique id")
+                continue
+            entries[section.id] = DimensionEntry(
+                section.id, section.start, section.end, section.tolerance, section.observed, line
+            )
+        return tuple(entries.values())
+
+    def _head(self) -> PoseError | None:
+        if "head" not in self.sections:
+            return None
+        where = ("head",)
+        section = validate(HeadSection, self.sections["head"], where, self.problems)
+        pose = None
+        if isinstance(value := self._below("head", "pivot"), dict):
+            pose_section = validate(PoseSection, value, (*where, "pivot"), self.problems)
+            pose = build(pose_section.build, (*where, "pivot"), self.problems) if pose_section else None
+        if section is None or (pose is None and section.pivot is None):
+            return None
+        if section.covariance is None:
+            return build(section.build, where, self.problems, pose)
+        covariance = self._covariance(self.path.parent / section.covariance)
+        if covariance is None:
+            return None
+        return build(section.build_with, (*where, "covariance"), self.problems, covariance, pose)
+
+    def _covariance(self, path: Path) -> NDArray[np.float64] | None:
+        if not path.is_file():
+            self.problems.add(("head", "covariance"), "the file does not exist", got=path, hint="check the path")
+            return None
+        try:
+            return read_covariance(path)
+        except InspectionFileError as error:
+            self.problems.found.append(error)
+            return None
+
+
+def _start(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 60 else text[:60] + " …"

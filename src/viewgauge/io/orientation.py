@@ -1,0 +1,81 @@
+"""Outward orientation of watertight triangle meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+__all__ = ["is_watertight", "oriented_outward"]
+
+_Triangles = NDArray[np.int64]
+
+
+def is_watertight(triangles: _Triangles) -> bool:
+    """Whether each edge of the triangles ``(m, 3)`` is shared by exactly two of them."""
+    _, counts = np.unique(np.sort(_edges(triangles), axis=1), axis=0, return_counts=True)
+    return bool((counts == 2).all())
+
+
+def oriented_outward(vertices: NDArray[np.float64], triangles: _Triangles) -> _Triangles:
+    """The triangles ``(m, 3)`` of a watertight mesh, each counter-clockwise seen from outside the material.
+
+    Within each shell the triangles are made to agree with their neighbours; a shell of negative volume is then
+    turned, unless it lies within the box of another and agreed with itself before: that is a cavity.
+    """
+    pairs, agree = _neighbours(triangles)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(triangles),) * 2).tocsr()
+    count, labels = connected_components(graph, directed=False)
+    inconsistent = np.zeros(count, dtype=bool)
+    inconsistent[labels[pairs[~agree, 0]]] = True
+    result = triangles.copy()
+    for label in np.flatnonzero(inconsistent):
+        turned = _turned_to_agree(int(np.flatnonzero(labels == label)[0]), graph, pairs, agree)
+        result[turned] = result[turned][:, ::-1]
+    corners = vertices[result]
+    low, high = _boxes(corners, labels, count)
+    a, b, c = np.moveaxis(corners - low[labels][:, None], 1, 0)
+    volumes = np.bincount(labels, np.einsum("ij,ij->i", a, np.cross(b, c)), count)
+    for label in np.flatnonzero(volumes < 0):
+        inside_another = ((low < low[label]) & (high[label] < high)).all(axis=1).any()
+        if inconsistent[label] or not inside_another:
+            result[labels == label] = result[labels == label][:, ::-1]
+    return result
+
+
+def _edges(triangles: _Triangles) -> NDArray[np.int64]:
+    """Directed edges ``(3 m, 2)``; those of triangle i are rows 3 i to 3 i + 2."""
+    return triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+
+
+def _neighbours(triangles: _Triangles) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Pairs ``(k, 2)`` of triangles that share an edge, and whether they run along it in opposite senses."""
+    edges = _edges(triangles)
+    ordered = np.sort(edges, axis=1)
+    order = np.lexsort((ordered[:, 1], ordered[:, 0]))
+    first, second = order[::2], order[1::2]  # watertight: equal edges come in twos
+    return np.stack([first // 3, second // 3], axis=1), edges[first, 0] != edges[second, 0]
+
+
+def _turned_to_agree(
+    start: int, graph: coo_array, pairs: NDArray[np.int64], agree: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Triangles of the shell of ``start`` to be turned so that all agree with it."""
+    order, predecessors = breadth_first_order(graph, start, directed=False)
+    opposed = {frozenset(pair) for pair in pairs[~agree].tolist()}
+    turned = {start: False}
+    for triangle in order[1:].tolist():
+        before = int(predecessors[triangle])
+        turned[triangle] = turned[before] ^ (frozenset((before, triangle)) in opposed)
+    return np.array([triangle for triangle, turn in turned.items() if turn], dtype=np.int64)
+
+
+def _boxes(
+    corners: NDArray[np.float64], labels: NDArray[np.int32], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner ``(count, 3)`` of each shell."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, labels, corners.min(axis=1))
+    np.maximum.at(high, labels, corners.max(axis=1))
+    return low, high

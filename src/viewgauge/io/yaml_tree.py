@@ -1,0 +1,144 @@
+"""YAML as plain Python values, with the line of every key: no object is ever constructed.
+
+One liberty is taken with YAML: a list may be followed by its unit, ``start: [0, 0, 40] mm``. Such values are
+quoted before parsing, which leaves every line where it was.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from .problems import Path, Problems
+
+__all__ = ["YamlTree", "parse_yaml"]
+
+_LIST_WITH_UNIT = re.compile(
+    r"""
+    (?P<other> (?<![^\s\[{,]) (?: "(?:[^"\\\n]|\\.)*" | '[^'\n]*' ) | (?<!\S) \#[^\n]* )  # a quoted text or a comment
+    | (?P<before> (?: ^ | [:\-] [ \t] | [,\[{] ) [ \t]* )
+      (?P<list> \[ [^\[\]{}"'\#]* \] [ \t]* [^\W\d_%°]?[^\s,\[\]{}\#"':]+ ) (?= [ \t]* (?: $ | [ \t]\# | [,\]}] ) )
+    """,
+    re.VERBOSE | re.MULTILINE,
+)
+
+_INTEGER, _FLOAT, _BOOLEAN, _NULL, _TEXT, _TIMESTAMP = (
+    f"tag:yaml.org,2002:{name}" for name in ("int", "float", "bool", "null", "str", "timestamp")
+)
+_COLLECTIONS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
+
+
+@dataclass
+class YamlTree:
+    """Values of a YAML document: dicts, lists, str, int, float, bool, None; and the line of each by its path."""
+
+    value: object = None
+    lines: dict[Path, int] = field(default_factory=dict)
+
+
+def parse_yaml(text: str, problems: Problems) -> YamlTree:
+    """Values and lines of a YAML document; what is wrong with it goes to ``problems`` (value None if unreadable)."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.reader import ReaderError
+
+    tree = YamlTree()
+    problems.lines = tree.lines
+    try:
+        node = YAML(typ="safe", pure=True).compose(_quote_lists_with_unit(text))
+        tree.value = None if node is None else _Walker(tree, problems).value(node, ())
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = None if mark is None else min(mark.line + 1, text.count("\n") + 1)
+        context = f" {error.context}" if error.context else ""
+        problems.add((), f"not valid YAML: {error.problem}{context}", line=line, hint=_syntax_hint(text, line))
+    except ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        problems.add((), "not valid YAML: a control character", line=line, got=repr(text[error.position]))
+    except RecursionError:
+        problems.add((), "not usable YAML: nested too deeply", line=1)
+    except YAMLError as error:
+        problems.add((), f"not valid YAML: {error}", line=1)
+    return tree
+
+
+def _quote_lists_with_unit(text: str) -> str:
+    return _LIST_WITH_UNIT.sub(lambda m: m[0] if m["other"] is not None else f"{m['before']}'{m['list']}'", text)
+
+
+def _syntax_hint(text: str, line: int | None) -> str | None:
+    if line is None or "\t" not in text.split("\n")[line - 1]:
+        return None
+    return "indent with spaces, not with tabs"
+
+
+class _Walker:
+    """Turns the composed nodes into plain values."""
+
+    def __init__(self, tree: YamlTree, problems: Problems) -> None:
+        self.tree = tree
+        self.problems = problems
+        self.seen: set[int] = set()
+
+    def value(self, node: object, path: Path) -> object:
+        from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+        assert isinstance(node, Node)
+        line = node.start_mark.line + 1
+        self.tree.lines.setdefault(path, line)
+        if isinstance(node, ScalarNode):
+            return self._scalar(node.tag, node.value, path)
+        if str(node.tag) not in _COLLECTIONS:
+            self.problems.add(path, "tags are not used here", got=str(node.tag), expected="a plain value")
+            return None
+        if id(node) in self.seen:  # also keeps a small file from becoming an endless tree
+            self.problems.add(path, "an alias of a list or of a section is not used here", hint="write it out")
+            return None
+        self.seen.add(id(node))
+        if isinstance(node, MappingNode):
+            return self._mapping(node.value, path)
+        assert isinstance(node, SequenceNode)
+        return [self.value(item, (*path, index)) for index, item in enumerate(node.value)]
+
+    def _mapping(self, pairs: list[tuple[object, object]], path: Path) -> dict[str, object]:
+        from ruamel.yaml.nodes import ScalarNode
+
+        result: dict[str, object] = {}
+        for key_node, value_node in pairs:
+            if not isinstance(key_node, ScalarNode):
+                line = key_node.start_mark.line + 1  # type: ignore[attr-defined]  # every node has one
+                self.problems.add(path, "a key must be a word", line=line)
+                continue
+            key, line = str(key_node.value), key_node.start_mark.line + 1
+            here = (*path, key)
+            if key in result:
+                first = self.tree.lines[here]
+                self.problems.add(here, f"the key is there twice, first in line {first}", line=line, hint="remove one")
+                continue
+            self.tree.lines[here] = line
+            result[key] = self.value(value_node, here)
+        return result
+
+    def _scalar(self, tag: object, text: str, path: Path) -> object:
+        name = str(tag)
+        if name == _NULL:
+            return None
+        if name == _BOOLEAN:
+            return text.lower() == "true"
+        if name == _INTEGER:
+            return _integer(text)
+        if name == _FLOAT:
+            return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
+        if name not in (_TEXT, _TIMESTAMP):
+            self.problems.add(path, "tags are not used here", got=name, expected="a plain value")
+            return None
+        return text
+
+
+def _integer(text: str) -> int | str:
+    for base in (10, 0):
+        try:
+            return int(text, base)
+        except ValueError:
+            continue
+    return text
