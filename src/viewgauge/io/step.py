@@ -100,8 +100,7 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
     dimensions = pmi.dimensions()
     wanted = {number for d in dimensions for number in (*d.first, *d.second)}
     shapes = topology.references(reader, text, wanted) if wanted else {}
-    round_faces = frozenset(index for index, face in enumerate(faces) if face.kind in _ROUND)
-    callouts = to_callouts(dimensions, shapes, round_faces)
+    callouts = to_callouts(dimensions, shapes, faces, edges)
     count = sum(len(ranges) for ranges in pmi.plus_minus.values())
     notes += pmi.notes(callouts)
     return _noted(brep, notes, callouts=callouts, plus_minus_count=count)

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ..part.brep import Callout, CalloutKind, Reference
+from ..part.brep import Callout, CalloutKind, Edge, Face, Reference
 from .step_text import Record, Ref, StepText
 from .step_units import Units
 
@@ -34,6 +34,8 @@ _SIZES = (
 )
 _FACES = ("ADVANCED_FACE", "FACE_SURFACE", "FACE")
 _SHELLS = ("CLOSED_SHELL", "OPEN_SHELL", "CONNECTED_FACE_SET", "CONNECTED_FACE_SUB_SET")
+_ROUND = ("cylinder", "cone", "sphere", "torus")
+_NO_LENGTH = 'a "{}" is no length between two points'
 _DERIVED = ("CENTRE_OF_SYMMETRY", "DERIVED_SHAPE_ASPECT", "GEOMETRIC_ALIGNMENT", "EXTENSION", "TANGENT", "APEX")
 
 
@@ -170,7 +172,7 @@ class DimensionReader:
         kind = _kind(types, label)
         nominal, tolerance, problem = self._magnitude(number)
         if not problem and kind == "other":
-            problem = f'a "{label}" is no length between two points'
+            problem = _NO_LENGTH.format(label)
         callout = Callout(self._captions.get(number, ""), kind, label, nominal, tolerance, (), (), problem)
         return Dimension(callout, first, second, problem_first, problem_second)
 
@@ -275,7 +277,7 @@ def _kind(types: set[str], label: str) -> CalloutKind:
     words = label.lower()
     if types & {"ANGULAR_LOCATION", "ANGULAR_SIZE"} or "angle" in words:
         return "angle"
-    if "toroidal" in words or "curve" in words or types & {"DIMENSIONAL_SIZE_WITH_PATH"}:
+    if "toroidal" in words or "curved" in words or "DIMENSIONAL_SIZE_WITH_PATH" in types:
         return "other"
     if types & set(_LOCATIONS):
         return "distance"
@@ -301,7 +303,10 @@ def _named_apart(dimensions: Sequence[Dimension]) -> tuple[Dimension, ...]:
 
 
 def to_callouts(
-    dimensions: Sequence[Dimension], shapes: Mapping[int, Sequence[Reference]], round_faces: frozenset[int]
+    dimensions: Sequence[Dimension],
+    shapes: Mapping[int, Sequence[Reference]],
+    faces: Sequence[Face],
+    edges: Sequence[Edge],
 ) -> tuple[Callout, ...]:
     """Callouts with their references.
 
@@ -310,26 +315,38 @@ def to_callouts(
     dimensions
         As read from the records.
     shapes
-        The part's faces and edges by record number.
-    round_faces
-        Indices of the faces of revolution, which stand for their own axis or centre.
+        What of the part each record became.
+    faces, edges
+        Of the part.
     """
     callouts = []
     for dimension in dimensions:
-        first, problem_first = _side(dimension.first, dimension.problem_first, shapes, round_faces)
-        second, problem_second = _side(dimension.second, dimension.problem_second, shapes, round_faces)
-        problems = [p for p in (dimension.callout.problem, problem_first, problem_second) if p]
-        callouts.append(replace(dimension.callout, first=first, second=second, problem="; ".join(problems)))
+        callout, problems = dimension.callout, [dimension.callout.problem]
+        first, problem = _side(dimension.first, dimension.problem_first, shapes, faces)
+        problems.append(problem)
+        second, problem = _side(dimension.second, dimension.problem_second, shapes, faces)
+        problems.append(problem)
+        kind = callout.kind
+        if kind == "length" and "curve" in callout.label.lower() and not _straight(first, edges):
+            kind = "other"
+            problems.append(_NO_LENGTH.format(callout.label))
+        problem = "; ".join(dict.fromkeys(problem for problem in problems if problem))
+        callouts.append(replace(callout, kind=kind, first=first, second=second, problem=problem))
     return tuple(callouts)
 
 
 def _side(
-    numbers: Sequence[int], problem: str, shapes: Mapping[int, Sequence[Reference]], round_faces: frozenset[int]
+    numbers: Sequence[int], problem: str, shapes: Mapping[int, Sequence[Reference]], faces: Sequence[Face]
 ) -> tuple[tuple[Reference, ...], str]:
+    """References of one side, and what is wrong with them."""
     references = tuple(dict.fromkeys(reference for number in numbers for reference in shapes.get(number, ())))
     lost = sum(not shapes.get(number) for number in numbers)
     if lost:
         return references, f"{lost} of {len(numbers)} faces and edges it refers to are not on the part"
-    if references and all(r.kind == "face" and r.index in round_faces for r in references):
-        return references, ""
+    if references and all(r.kind == "face" and faces[r.index].kind in _ROUND for r in references):
+        return references, ""  # a round face stands for its own axis or centre
     return references, problem
+
+
+def _straight(references: Sequence[Reference], edges: Sequence[Edge]) -> bool:
+    return bool(references) and all(r.kind == "edge" and edges[r.index].kind == "line" for r in references)
