@@ -48,7 +48,7 @@ def _camera_facts(camera: Camera) -> dict[str, str]:
 
 def _notes(part: Part, remark: str) -> str:
     notes = [*part.notes, remark] if remark else list(part.notes)
-    return element("ul", markup="".join(element("li", note) for note in notes)) if notes else ""
+    return element("ul", markup="".join(element("li", note) for note in notes), class_="notes") if notes else ""
 
 
 def render_report(
