@@ -178,9 +178,11 @@ def test_all_met_and_proven_is_said() -> None:
 
 def test_nothing_met_needs_no_setting() -> None:
     plan = make_plan()
-    text = Page(report(dataclasses.replace(plan, dimensions=plan.dimensions[3:], settings=()))).text
+    text = Page(report(dataclasses.replace(plan, dimensions=plan.dimensions[3:], settings=(), lower_bound=0))).text
     assert "0 of 3" in text
+    assert "proven" not in text
     assert "none met" in text
+    assert "no candidate meets any dimension" in text
 
 
 def test_every_setting_is_in_the_table_and_in_the_picture(page: Page) -> None:

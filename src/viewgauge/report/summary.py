@@ -39,6 +39,8 @@ def _missing(plan: Plan) -> str:
 
 
 def _optimality(plan: Plan) -> str:
+    if plan.count == 0:
+        return "no candidate meets any dimension"
     if plan.proven:
         return "proven the fewest among the candidates"
     return f"at least {plan.lower_bound} needed; gap {plan.gap:.0%}"

@@ -101,6 +101,8 @@ def _vector(values: np.ndarray, digits: int) -> str:
 
 def setting_table(plan: Plan, part: Part, camera: Camera) -> str:
     """Every setting: where it stands, where it looks, and what it measures."""
+    if not plan.settings:
+        return element("p", "None.")
     head = [
         ("Setting", ""),
         ("Position x, y, z / mm", "num"),
