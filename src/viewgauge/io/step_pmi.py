@@ -89,13 +89,14 @@ class DimensionReader:
     def _members(self) -> dict[int, list[int]]:
         """Shape aspects that each composite or derived shape aspect is made of."""
         members: dict[int, list[int]] = defaultdict(list)
-        for _, relation in self.text.parts(
+        locations = set(self.text.numbers(*_LOCATIONS))  # these relate two aspects, of which neither is a member
+        for number, relation in self.text.parts(
             "SHAPE_ASPECT_RELATIONSHIP", "SHAPE_ASPECT_DERIVING_RELATIONSHIP", "SHAPE_ASPECT_ASSOCIATIVITY"
         ):
-            if len(relation.parameters) == 4:
+            if len(relation.parameters) == 4 and number not in locations:
                 whole, part = _numbers(relation.parameters[2:3]), _numbers(relation.parameters[3:4])
-                for number in whole:
-                    members[number] += part
+                for aspect in whole:
+                    members[aspect] += part
         return members
 
     @cached_property

@@ -13,8 +13,9 @@ from functools import cached_property
 
 __all__ = ["Enumeration", "Record", "Ref", "StepText", "decode_string", "not_a_number"]
 
-_STATEMENT = re.compile(r"/\*(?s:.*?)\*/|'[^']*+'|#(\d+)\s*+=\s*+((?:[^';/]++|'[^']*+'|/\*(?s:.*?)\*/|/)*+);")
-_COMMENT = re.compile(r"('[^']*+')|/\*(?s:.*?)\*/")
+# Every pattern takes what it has no end for up to the end of the text, so that scanning is linear.
+_COMMENT = re.compile(r"('[^']*+(?:'|\Z))|/\*(?s:.*?)(?:\*/|\Z)")
+_STATEMENT = re.compile(r"'[^']*+(?:'|\Z)|#(\d+)\s*+=\s*+((?:[^';]++|'[^']*+(?:'|\Z))*+)(;|\Z)")
 _TYPE = re.compile(r"(\(?)\s*+([A-Z_][A-Z0-9_]*)", re.IGNORECASE)
 _TOKEN = re.compile(
     r"\s*+(?:(?P<string>(?:'[^']*+')++)|\#(?P<ref>\d+)|\.(?P<enum>\w+)\.|(?P<word>[A-Z_][A-Z0-9_]*)"
@@ -69,8 +70,10 @@ class StepText:
     @classmethod
     def scan(cls, text: str) -> StepText:
         """Find the records in a file's text."""
-        found = (statement for statement in _STATEMENT.finditer(text) if statement[1])
-        return cls({int(statement[1]): _without_comments(statement[2]) for statement in found})
+        if "/*" in text:
+            text = _COMMENT.sub(lambda found: found[1] or " ", text)
+        statements = (found for found in _STATEMENT.finditer(text) if found[3] == ";")
+        return cls({int(found[1]): found[2].rstrip() for found in statements})
 
     @cached_property
     def _by_type(self) -> dict[str, list[int]]:
@@ -118,10 +121,6 @@ class StepText:
     def references(self, number: int) -> tuple[int, ...]:
         """Numbers that a record refers to, in order."""
         return tuple(int(found[1]) for found in _REF.finditer(self.bodies.get(number, "")) if found[1])
-
-
-def _without_comments(body: str) -> str:
-    return (_COMMENT.sub(lambda found: found[1] or " ", body) if "/*" in body else body).strip()
 
 
 def _parse(body: str) -> tuple[object, ...]:
