@@ -1,1 +1,22 @@
-"""."""
+"""Which settings to use: candidates around the part, and the fewest of them that measure everything."""
+
+from .candidates import default_distance_range, sample_settings, spread_directions
+from .cover import Cover, minimum_cover, surest_minimum_cover
+from .options import CandidateOptions
+from .plan import choose_settings, without_allowed_error
+from .result import Plan, PlannedDimension, PlannedSetting
+
+__all__ = [
+    "CandidateOptions",
+    "Cover",
+    "Plan",
+    "PlannedDimension",
+    "PlannedSetting",
+    "choose_settings",
+    "default_distance_range",
+    "minimum_cover",
+    "sample_settings",
+    "spread_directions",
+    "surest_minimum_cover",
+    "without_allowed_error",
+]

@@ -27,7 +27,7 @@ class ObservationLimits:
 
     margin_px: float = 8.0
     minimum_length_px: float = 16.0
-    grazing_angle_rad: float = float(np.deg2rad(2.0))
+    grazing_angle_rad: float = float(np.deg2rad(10.0))
 
     def __post_init__(self) -> None:
         for name in ("margin_px", "minimum_length_px", "grazing_angle_rad"):
