@@ -34,7 +34,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield target
         return
     try:
-        workplace = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+        workplace = Path(tempfile.mkdtemp(prefix=".viewgauge-", dir=target.parent))
     except OSError as error:
         raise _cannot_write(path, error) from error
     try:
@@ -72,7 +72,11 @@ def _move(workplace: Path, target: Path) -> None:
             raise InputError("a file cannot be written where a folder is", file=target, hint="give another path")
         old = workplace / f"{target.name}.old"  # a folder with content cannot be replaced in one step
         os.replace(target, old)
-        os.replace(made, target)
+        try:
+            os.replace(made, target)
+        except OSError:
+            os.replace(old, target)
+            raise
     except OSError as error:
         raise _cannot_write(target, error) from error
 

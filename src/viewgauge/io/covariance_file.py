@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
 from ..exceptions import InputError, InspectionFileError
 from .inspection_schema import Section
@@ -41,7 +41,7 @@ def _read_order(value: object) -> str:
 class CovarianceSection(Section):
     """The file as a mapping; the rows are read apart."""
 
-    covariance: Any
+    covariance: Any = Field(description=_EXPECTED)
     units: Annotated[tuple[float, float], BeforeValidator(_read_units)] = (1.0, 1.0)
     order: Annotated[str, BeforeValidator(_read_order)] = _ORDERS[0]
 

@@ -240,13 +240,13 @@ class _Reader:
         return build(section.build_with, (*where, "covariance"), self.problems, covariance, pose)
 
     def _covariance(self, path: Path) -> NDArray[np.float64] | None:
-        if not path.is_file():
-            self.problems.add(("head", "covariance"), "the file does not exist", got=path, hint="check the path")
-            return None
         try:
             return read_covariance(path)
         except InspectionFileError as error:
-            self.problems.found.append(error)
+            if Path(path).is_file():
+                self.problems.found.append(error)
+            else:  # then the place to mend is here
+                self.problems.add(("head", "covariance"), error.problem, got=path, hint=error.hint)
             return None
 
 

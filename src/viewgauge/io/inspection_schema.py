@@ -92,7 +92,7 @@ def _read_resolution(value: object) -> tuple[int, ...]:
         value = list(parse_quantities(value, PIXELS, (2,), "positive"))
     if not isinstance(value, list) or len(value) != 2 or any(isinstance(count, bool) for count in value):
         raise InputError("not two numbers", got=value, expected=expected)
-    if not all(isinstance(count, int | float) and count >= 1 and count % 1 == 0 for count in value):
+    if not all(isinstance(count, int | float) and 1 <= count <= 1_000_000 and count % 1 == 0 for count in value):
         raise InputError("not two positive whole numbers", got=value, expected=expected)
     return tuple(int(count) for count in value)
 
@@ -120,7 +120,7 @@ DistanceRange = Annotated[tuple[float, float], BeforeValidator(_read_distance)]
 Direction = Annotated[tuple[float, float, float], _numbers(3)]
 Quaternion = Annotated[tuple[float, float, float, float], _numbers(4)]
 Name = Annotated[StrictStr, BeforeValidator(_read_name)]
-Count = Annotated[StrictInt, Field(ge=1)]
+Count = Annotated[StrictInt, Field(ge=1, le=1_000_000)]
 CountOrZero = Annotated[StrictInt, Field(ge=0)]
 
 
@@ -133,9 +133,9 @@ class Section(BaseModel):
 class InspectionSections(Section):
     """The top level; the sections are read one by one."""
 
-    camera: Any
-    head: Any
-    requirement: Any
+    camera: Any = Field(description="a section with focal_length, pixel_pitch and resolution")
+    head: Any = Field(description="a section with translation and rotation, or covariance")
+    requirement: Any = Field(description="a section with accuracy, error or fraction_of_tolerance, and probability")
     part: Any = None
     candidates: Any = None
     observation: Any = None
@@ -153,7 +153,7 @@ class PartSection(Section):
 class DimensionSection(Section):
     """A gauge of the user's own, or what is to be changed of a dimension read from PMI."""
 
-    id: Name
+    id: Name = Field(description="a name, unique among the dimensions")
     start: Point | None = None
     end: Point | None = None
     tolerance: Tolerance | None = None
@@ -176,9 +176,11 @@ class DimensionSection(Section):
 class CameraSection(Section):
     """The camera."""
 
-    focal_length: Length
-    pixel_pitch: Pitch
-    resolution: Annotated[tuple[int, int], BeforeValidator(_read_resolution)]
+    focal_length: Length = Field(description="a length, such as 16 mm")
+    pixel_pitch: Pitch = Field(description="a length, such as 3.45 um")
+    resolution: Annotated[tuple[int, int], BeforeValidator(_read_resolution)] = Field(
+        description="columns and rows, such as [2448, 2048]"
+    )
     edge_resolution: PixelsOrZero = 1.0
     principal_point: PixelPair | None = None
     f_number: Annotated[float, BeforeValidator(_read_f_number)] | None = None
@@ -202,8 +204,8 @@ class CameraSection(Section):
 class PoseSection(Section):
     """A full pose ``T_camera_head``."""
 
-    position: Point
-    quaternion: Quaternion
+    position: Point = Field(description="three lengths, such as [0, 0, -16] mm")
+    quaternion: Quaternion = Field(description="a unit quaternion [w, x, y, z], such as [1, 0, 0, 0]")
 
     def build(self) -> NDArray[np.float64]:
         """The pose ``(4, 4)``, mm; raises InputError."""
@@ -264,7 +266,7 @@ class RequirementSection(Section):
     accuracy: Ratio | None = None
     error: Length | None = None
     fraction_of_tolerance: Ratio | None = None
-    probability: Ratio
+    probability: Ratio = Field(description="a ratio, such as 0.95")
 
     def build(self) -> Requirement:
         """The requirement; raises InputError."""
@@ -296,7 +298,20 @@ class ConeSection(Section):
     """The cone of directions, from the part to the camera."""
 
     axis: Direction = (0.0, 0.0, 1.0)
-    half_angle: Angle
+    half_angle: Angle = Field(description="an angle, such as 60 deg")
+
+    @model_validator(mode="after")
+    def _in_range(self) -> ConeSection:
+        if self.half_angle > np.pi:
+            raise InputError(
+                "the cone's half angle is too large",
+                key="half_angle",
+                got=f"{np.rad2deg(self.half_angle):.6g} deg",
+                expected="at most 180 deg",
+            )
+        if not 0 < np.linalg.norm(self.axis) < np.inf:
+            raise InputError("the cone's axis is no direction", key="axis", got=list(self.axis), expected="not zero")
+        return self
 
 
 class CandidatesSection(Section):

@@ -82,7 +82,7 @@ def _load(path: Path) -> tuple[NDArray[np.float64], _Triangles]:
         raise PartFileError(
             f"the file cannot be read as {suffix[1:].upper()}",
             file=path,
-            got=f"{type(error).__name__}: {error}",
+            got=None if isinstance(error, ImportError) else f"{type(error).__name__}: {error}",  # no optional parsers
             hint="check that it is complete and of the kind that its name says",
         ) from error
 
@@ -99,7 +99,11 @@ def _joined(pieces: list[tuple[NDArray[np.float64], _Triangles]]) -> tuple[NDArr
 
 def _require_usable(path: str | os.PathLike[str], vertices: NDArray[np.float64], triangles: _Triangles) -> None:
     if not len(triangles):
-        raise PartFileError("the mesh has no triangles", file=path, got=f"{len(vertices)} vertices")
+        raise PartFileError(
+            "the mesh has no triangles",
+            file=path,
+            hint="check that the file is complete and of the kind that its name says",
+        )
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise PartFileError("a triangle refers to a vertex that is not there", file=path)
     finite = np.isfinite(vertices).all(axis=1)

@@ -14,7 +14,8 @@ _Triangles = NDArray[np.int64]
 
 def is_watertight(triangles: _Triangles) -> bool:
     """Whether each edge of the triangles ``(m, 3)`` is shared by exactly two of them."""
-    _, counts = np.unique(np.sort(_edges(triangles), axis=1), axis=0, return_counts=True)
+    ends = np.sort(_edges(triangles), axis=1)
+    _, counts = np.unique(ends[:, 0] * (ends.max() + 1) + ends[:, 1], return_counts=True)
     return bool((counts == 2).all())
 
 

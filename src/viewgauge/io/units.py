@@ -100,7 +100,7 @@ def parse_quantities(value: object, kind: Kind, counts: tuple[int, ...], sign: S
     """
     items = _items(value)
     if items is None:
-        if 1 not in counts:
+        if 1 not in counts and value is not None:
             raise _error(f"{_count_words(counts)} are expected here", value, kind, vector=True)
         return (parse_quantity(value, kind, sign),)
     if len(items) not in counts:

@@ -90,7 +90,8 @@ def _add(
             hint=f"did you mean '{near}'?" if near else None,
         )
     elif kind == "missing":
-        problems.add(where, "required key missing", line=problems.line_of(path))
+        expected = model.model_fields[str(detail["loc"][-1])].description
+        problems.add(where, "required key missing", line=problems.line_of(path), expected=expected)
     elif isinstance(cause := detail.get("ctx", {}).get("error"), InputError):
         add_error(cause, where, problems)
     elif got is None:

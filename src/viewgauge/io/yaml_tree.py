@@ -16,8 +16,9 @@ __all__ = ["YamlTree", "parse_yaml"]
 _LIST_WITH_UNIT = re.compile(
     r"""
     (?P<other> (?<![^\s\[{,]) (?: "(?:[^"\\\n]|\\.)*" | '[^'\n]*' ) | (?<!\S) \#[^\n]* )  # a quoted text or a comment
-    | (?P<before> (?: ^ | [:\-] [ \t] | [,\[{] ) [ \t]* )
-      (?P<list> \[ [^\[\]{}"'\#]* \] [ \t]* [^\W\d_%°]?[^\s,\[\]{}\#"':]+ ) (?= [ \t]* (?: $ | [ \t]\# | [,\]}] ) )
+    | (?P<before> (?: ^ [ \t]* (?: -[ \t]+ )* | : [ \t] | [,\[{] ) [ \t]* )
+      (?P<list> \[ [^\[\]{}"'\#]* \] [ \t]* (?: [^\W\d_] | [%°‰] ) [^,\[\]{}\#"':\n]*? )
+      (?= [ \t]* (?: $ | [ \t]\# | [,\]}] ) )
     """,
     re.VERBOSE | re.MULTILINE,
 )
@@ -44,8 +45,9 @@ def parse_yaml(text: str, problems: Problems) -> YamlTree:
 
     tree = YamlTree()
     problems.lines = tree.lines
+    text = _quote_lists_with_unit(text.replace("\r\n", "\n").replace("\r", "\n"))
     try:
-        node = YAML(typ="safe", pure=True).compose(_quote_lists_with_unit(text))
+        node = YAML(typ="safe", pure=True).compose(text)
         tree.value = None if node is None else _Walker(tree, problems).value(node, ())
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
