@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from pathlib import Path
 
@@ -17,6 +18,7 @@ __all__ = ["MESH_SUFFIXES", "read_mesh"]
 MESH_SUFFIXES = (".stl", ".ply", ".obj")
 
 _Triangles = NDArray[np.int64]
+_SILENT = logging.NullHandler()
 
 
 def read_mesh(path: str | os.PathLike[str]) -> tuple[Mesh, tuple[str, ...]]:
@@ -72,6 +74,7 @@ def _load(path: Path) -> tuple[NDArray[np.float64], _Triangles]:
         raise PartFileError("the file is empty", file=path)
     import trimesh  # late: slow to import, and only meshes need it
 
+    logging.getLogger("trimesh").addHandler(_SILENT)  # it logs tracebacks of what is reported here
     try:
         # an open file and no resolver: nothing that the mesh refers to can be found, let alone fetched
         with path.open("rb") as file:

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 
 from ..exceptions import InspectionFileError
 
-__all__ = ["Path", "Problems", "dotted"]
+__all__ = ["KeyPath", "Problems", "dotted"]
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 
 
-def dotted(path: Path) -> str | None:
+def dotted(path: KeyPath) -> str | None:
     """A path as it is shown: ``part.dimensions[0].start``; None for the root."""
     text = ""
     for step in path:
@@ -28,11 +28,11 @@ class Problems:
 
     def __init__(self, file: str | os.PathLike[str]) -> None:
         self.file = file
-        self.lines: Mapping[Path, int] = {}
+        self.lines: Mapping[KeyPath, int] = {}
         self.found: list[InspectionFileError] = []
-        self._told: set[Path] = set()
+        self._told: set[KeyPath] = set()
 
-    def line_of(self, path: Path) -> int | None:
+    def line_of(self, path: KeyPath) -> int | None:
         """Line of a key, or of the nearest key above it."""
         for length in range(len(path), -1, -1):
             if path[:length] in self.lines:
@@ -41,7 +41,7 @@ class Problems:
 
     def add(
         self,
-        path: Path,
+        path: KeyPath,
         problem: str,
         *,
         line: int | None = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ..exceptions import InputError
-from .problems import Path, Problems
+from .problems import KeyPath, Problems
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -28,7 +28,7 @@ _EXPECTED = {
 }
 
 
-def validate(model: type[_Model], value: object, path: Path, problems: Problems) -> _Model | None:
+def validate(model: type[_Model], value: object, path: KeyPath, problems: Problems) -> _Model | None:
     """The section at a path as its model; None, and the reasons in ``problems``, if it cannot be."""
     if not isinstance(value, dict):
         keys = ", ".join(model.model_fields)
@@ -47,7 +47,7 @@ def validate(model: type[_Model], value: object, path: Path, problems: Problems)
     return None
 
 
-def build(make: Callable[..., _Built], path: Path, problems: Problems, *arguments: Any) -> _Built | None:
+def build(make: Callable[..., _Built], path: KeyPath, problems: Problems, *arguments: Any) -> _Built | None:
     """What ``make`` returns; None, and the reason in ``problems``, if it raises InputError."""
     try:
         return make(*arguments)
@@ -56,7 +56,7 @@ def build(make: Callable[..., _Built], path: Path, problems: Problems, *argument
         return None
 
 
-def add_error(error: InputError, path: Path, problems: Problems) -> None:
+def add_error(error: InputError, path: KeyPath, problems: Problems) -> None:
     """Note an error of an object whose fields are the keys of the section at a path (or a value at that path)."""
     key = error.key
     for suffix in _UNIT_SUFFIXES if key else ():
@@ -78,7 +78,7 @@ def _misspelt(model: type[BaseModel], details: Iterable[ErrorDetails]) -> dict[o
 
 
 def _add(
-    detail: ErrorDetails, model: type[BaseModel], path: Path, misspelt: dict[object, str], problems: Problems
+    detail: ErrorDetails, model: type[BaseModel], path: KeyPath, misspelt: dict[object, str], problems: Problems
 ) -> None:
     where, kind, got = (*path, *detail["loc"]), detail["type"], detail["input"]
     if kind == "extra_forbidden":

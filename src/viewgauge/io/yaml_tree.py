@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from .problems import Path, Problems
+from .problems import KeyPath, Problems
 
 __all__ = ["YamlTree", "parse_yaml"]
 
@@ -34,7 +34,7 @@ class YamlTree:
     """Values of a YAML document: dicts, lists, str, int, float, bool, None; and the line of each by its path."""
 
     value: object = None
-    lines: dict[Path, int] = field(default_factory=dict)
+    lines: dict[KeyPath, int] = field(default_factory=dict)
 
 
 def parse_yaml(text: str, problems: Problems) -> YamlTree:
@@ -82,7 +82,7 @@ class _Walker:
         self.problems = problems
         self.seen: set[int] = set()
 
-    def value(self, node: object, path: Path) -> object:
+    def value(self, node: object, path: KeyPath) -> object:
         from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
         assert isinstance(node, Node)
@@ -102,7 +102,7 @@ class _Walker:
         assert isinstance(node, SequenceNode)
         return [self.value(item, (*path, index)) for index, item in enumerate(node.value)]
 
-    def _mapping(self, pairs: list[tuple[object, object]], path: Path) -> dict[str, object]:
+    def _mapping(self, pairs: list[tuple[object, object]], path: KeyPath) -> dict[str, object]:
         from ruamel.yaml.nodes import ScalarNode
 
         result: dict[str, object] = {}
@@ -121,7 +121,7 @@ class _Walker:
             result[key] = self.value(value_node, here)
         return result
 
-    def _scalar(self, tag: object, text: str, path: Path) -> object:
+    def _scalar(self, tag: object, text: str, path: KeyPath) -> object:
         name = str(tag)
         if name == _NULL:
             return None
