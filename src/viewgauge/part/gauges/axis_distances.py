@@ -97,7 +97,7 @@ def _corresponding_points(outline: Outline, i: int, j: int) -> list[Candidate]:
             start = circle.point(angle)
             gauge = outline.gauge(i, start, j, start + offset)
             shared = bool(set(a.faces) & set(b.faces))
-            candidates.append(Candidate(gauge, shared, False, False, place, 2 * a.radius_mm))
+            candidates.append(Candidate(gauge, shared, False, False, False, place, 2 * a.radius_mm))
     return candidates
 
 

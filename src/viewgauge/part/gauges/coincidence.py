@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import hypot
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,8 +37,11 @@ def unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def is_parallel(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Whether two unit vectors ``(3,)`` are parallel or antiparallel (within 1e-6 rad)."""
-    return float(np.linalg.norm(np.cross(a, b))) <= _ANGLE_RAD and bool(a.any()) and bool(b.any())
+    """Whether two unit vectors ``(3,)`` are parallel or antiparallel (within 1e-6 rad); a zero vector is to none."""
+    ax, ay, az = a.tolist()  # plain numbers: this is asked for every pair of edges, and NumPy's cross is slow
+    bx, by, bz = b.tolist()
+    across = hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+    return across <= _ANGLE_RAD and ax * bx + ay * by + az * bz != 0
 
 
 def distance_from_axis(
@@ -60,9 +65,8 @@ def same_axis(
     tolerance_mm: float,
 ) -> bool:
     """Whether two lines, each a point and a unit direction, are one line (either sense)."""
-    if not is_parallel(axis, other_axis):
-        return False
-    return float(np.linalg.norm(distance_from_axis(other_origin, origin, axis))) <= tolerance_mm
+    apart = hypot(*distance_from_axis(other_origin, origin, axis).tolist())
+    return apart <= tolerance_mm and is_parallel(axis, other_axis)
 
 
 def same_circle(a: Edge, b: Edge, tolerance_mm: float) -> bool:

@@ -47,9 +47,13 @@ def diameters(outline: Outline, callout: Callout) -> list[Outcome]:
 
 
 def _holes_and_bosses(outline: Outline, references: tuple[Reference, ...]) -> list[_Feature]:
-    cylinders = [r.index for r in references if r.kind == "face" and outline.brep.faces[r.index].kind == "cylinder"]
+    cylinders = [r.index for r in references if r.kind == "face" and _is_bounded_cylinder(outline, r.index)]
     groups = connected_groups(cylinders, lambda a, b: _one_cylinder(outline, a, b))
     return [_feature(outline, group) for group in groups]
+
+
+def _is_bounded_cylinder(outline: Outline, face: int) -> bool:
+    return outline.brep.faces[face].kind == "cylinder" and bool(outline.brep.faces[face].edges)
 
 
 def _one_cylinder(outline: Outline, a: int, b: int) -> bool:
@@ -140,5 +144,5 @@ def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> lis
         shared = set(outline.brep.edges[i].faces) & set(outline.brep.edges[j].faces)
         concave = outline.is_concave(i) or outline.is_concave(j)
         on_flat_face = any(outline.brep.faces[face].kind == "plane" for face in shared)
-        candidates.append(Candidate(gauge, on_flat_face, concave, False, 0, diameter_mm))
+        candidates.append(Candidate(gauge, on_flat_face, concave, False, False, 0, diameter_mm))
     return candidates

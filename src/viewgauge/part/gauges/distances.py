@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import Callout, Reference
+from ..dimension import Gauge
 from .axis_distances import axis_distance, has_axis
 from .coincidence import is_parallel, unit
 from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
 from .outline import Outline
 from .parallel_planes import Side, distinct_normals, gauges_between, side_of
+from .selection import LIMIT
 
 __all__ = ["distance"]
 
@@ -18,7 +20,8 @@ __all__ = ["distance"]
 def distance(outline: Outline, callout: Callout) -> Outcome:
     """The distance between what the callout's ``first`` and ``second`` refer to.
 
-    The distance is measured along the common normal of planes, or perpendicular to parallel lines. Where the
+    The distance is measured along the common normal of planes, or perpendicular to parallel lines. Edges that
+    bound flat faces across it stand for these: gauges on the edges themselves come first. Where the
     references allow several distances (a step between sets of faces), the one closest to the nominal counts.
     """
     along_normals = _between_planes(outline, callout)
@@ -46,15 +49,21 @@ def _between_planes(outline: Outline, callout: Callout) -> Outcome:
     best = closest([value for value, *_ in found], callout)
     if not agrees(best, callout):
         return Unmeasured(disagreement(best, callout))
-    for widened in (False, True):
-        for value, normal, first, second in found:
-            if abs(value - best) > outline.tolerance_mm:
-                continue
-            if widened:
-                first, second = ([_whole_faces(outline, side) for side in sides] for sides in (first, second))
-            if gauges := gauges_between(outline, first, second, normal, value):
+    for value, normal, first, second in found:
+        if abs(value - best) <= outline.tolerance_mm:
+            gauges = gauges_between(outline, first, second, normal, value)
+            whole = [[_whole_face(outline, side) for side in sides] for sides in (first, second)]
+            if _edges(whole[0]) != _edges(first) or _edges(whole[1]) != _edges(second):
+                gauges = _united(gauges, gauges_between(outline, whole[0], whole[1], normal, value))
+            if gauges:
                 return Measured(value, gauges)
-    return Unmeasured("no visible edges of the two sides face each other along their normal")
+    return Unmeasured("no two visible edges of the two sides lie opposite each other along their normal")
+
+
+def _united(gauges: tuple[Gauge, ...], further: tuple[Gauge, ...]) -> tuple[Gauge, ...]:
+    """The gauges, then the further ones that are not among them, as many as one dimension may have."""
+    places = {(*gauge.start, *gauge.end) for gauge in gauges}
+    return (*gauges, *(gauge for gauge in further if (*gauge.start, *gauge.end) not in places))[:LIMIT]
 
 
 def _normals(outline: Outline, callout: Callout) -> list[NDArray[np.float64]]:
@@ -90,10 +99,14 @@ def _between_lines(outline: Outline, a: Reference, b: Reference) -> NDArray[np.f
     return unit(across) if float(np.linalg.norm(across)) > outline.tolerance_mm else np.zeros(3)
 
 
-def _whole_faces(outline: Outline, side: Side) -> Side:
+def _whole_face(outline: Outline, side: Side) -> Side:
     """The side with all visible edges of the flat faces that its edges bound in its plane."""
     edges = [edge for face in side.faces for edge in outline.visible_edges(face)]
     return Side(side.point, tuple(dict.fromkeys((*side.edges, *edges))), side.faces)
+
+
+def _edges(sides: list[Side]) -> set[int]:
+    return {edge for side in sides for edge in side.edges}
 
 
 def _why_no_planes(outline: Outline, callout: Callout) -> str:

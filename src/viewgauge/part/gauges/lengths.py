@@ -15,6 +15,7 @@ from .distances import distance
 from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
 from .outline import Outline
 from .parallel_planes import Side, gauges_between
+from .selection import LIMIT
 from .widths import widths
 
 __all__ = ["lengths"]
@@ -95,7 +96,7 @@ def _across_face(outline: Outline, callout: Callout, face: int) -> Outcome:
             gauges += gauges_between(outline, [first], [second], across, best)
     if not gauges:
         return Unmeasured("no opposite edges of the face face each other")
-    return Measured(best, tuple(gauges[:12]))
+    return Measured(best, tuple(gauges[:LIMIT]))
 
 
 def _along_cylinders(outline: Outline, callout: Callout, faces: list[int]) -> Outcome:

@@ -51,7 +51,7 @@ def closest(values_mm: list[float], callout: Callout) -> float:
     """The value nearest to the callout's nominal (the first where it has none)."""
     if isnan(callout.nominal_mm):
         return values_mm[0]
-    return min(values_mm, key=lambda value: abs(value - callout.nominal_mm))
+    return min(values_mm, key=lambda value: abs(value - abs(callout.nominal_mm)))
 
 
 def disagreement(value_mm: float, callout: Callout) -> str:

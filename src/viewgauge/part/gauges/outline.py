@@ -82,6 +82,24 @@ class Outline:
         normals = (self.normals_at(start_edge, start), self.normals_at(end_edge, end))
         return Gauge(start, end, normals[0], normals[1], source)
 
+    def overlapping(
+        self, first: tuple[int, ...], second: tuple[int, ...], shift: NDArray[np.float64]
+    ) -> list[tuple[int, int]]:
+        """Pairs of edges whose boxes overlap, coming from the first set and, moved by ``-shift``, from the second.
+
+        A quick test before looking at the curves themselves: a box misses a curve's bulge by the chord error.
+        """
+        a, b = self._boxes[list(first)], self._boxes[list(second)] - shift
+        margin = self.tolerance_mm + self.brep.mesh.chord_error_mm
+        meet = (a[:, None, 0] <= b[None, :, 1] + margin) & (b[None, :, 0] <= a[:, None, 1] + margin)
+        rows, columns = np.nonzero(meet.all(axis=2))
+        return [(first[i], second[j]) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)]
+
+    @cached_property
+    def _boxes(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of each edge's points, ``(n, 2, 3)`` mm."""
+        return np.array([(edge.points.min(axis=0), edge.points.max(axis=0)) for edge in self.brep.edges])
+
     @cached_property
     def _ends(self) -> tuple[cKDTree, NDArray[np.int64]]:
         """End points of the open edges, and the edge of each."""

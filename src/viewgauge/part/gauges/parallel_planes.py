@@ -18,9 +18,6 @@ from .selection import Candidate, select
 __all__ = ["Side", "distinct_normals", "gauges_between", "side_of"]
 
 
-_LAST_PLACE = 3  # corners are less sharply located than places along an edge
-
-
 @dataclass(frozen=True)
 class Side:
     """A plane, by one point ``(3,)`` mm of it, with the edges and the faces that lie in it."""
@@ -71,9 +68,8 @@ def gauges_between(
                 continue
             shift = np.copysign(distance_mm, signed) * normal
             measured = {*a.faces, *b.faces}
-            for i in a.edges:
-                for j in b.edges:
-                    candidates += _between_edges(outline, i, j, shift, measured)
+            for i, j in outline.overlapping(a.edges, b.edges, shift):
+                candidates += _between_edges(outline, i, j, shift, measured)
             candidates += _along_joining_edges(outline, a, b, shift)
     return select(candidates)
 
@@ -86,7 +82,7 @@ def _between_edges(outline: Outline, i: int, j: int, shift: NDArray[np.float64],
     concave = outline.is_concave(i) or outline.is_concave(j)
     shorter = min(_length(a.points), _length(b.points))
     return [
-        Candidate(outline.gauge(i, start, j, end), common, concave, straight, place, shorter)
+        Candidate(outline.gauge(i, start, j, end), common, concave, straight, False, place, shorter)
         for place, (start, end) in enumerate(pairs)
     ]
 
@@ -103,7 +99,7 @@ def _along_joining_edges(outline: Outline, a: Side, b: Side, shift: NDArray[np.f
             if spans and _on_edges(outline, start, a) and _on_edges(outline, end, b):
                 gauge = outline.gauge(index, start, index, start + shift)
                 candidates.append(
-                    Candidate(gauge, True, outline.is_concave(index), True, _LAST_PLACE, _length(edge.points))
+                    Candidate(gauge, True, outline.is_concave(index), True, True, 0, _length(edge.points))
                 )
     return candidates
 

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ..dimension import Gauge
 
-__all__ = ["Candidate", "select"]
+__all__ = ["LIMIT", "Candidate", "select"]
 
 LIMIT = 12
 _SAME_SIDE = 0.95  # cosine: views within 18 degrees are from one side
+_SAME_NORMAL = 1 - 1e-3  # within 2.6 degrees
 _OPPOSED = -1 + 1e-6
 
 
@@ -30,6 +31,8 @@ class Candidate:
         One of its edges is an inner corner, which is hidden from more directions than an outer one.
     straight
         Both its edges are straight.
+    at_corner
+        Its ends are corners of the part, located less sharply than places along an edge.
     place
         0 for the best place of an edge pair, 1, 2, ... for further ones.
     edge_length_mm
@@ -40,39 +43,76 @@ class Candidate:
     common_face: bool
     concave: bool
     straight: bool
+    at_corner: bool
     place: int
     edge_length_mm: float
 
 
 def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Gauge, ...]:
-    """At most ``limit`` gauges: in turn the best one left of each side from which both ends are seen.
+    """At most ``limit`` gauges: in turn one of each side from which both ends are seen, as long as it has any.
 
-    Within a side: ends with a common normal first, then outer corners, a common face, straight edges, the best
-    place of each edge pair, and longer edges. Gauges whose ends face in opposite directions cannot be seen at
-    once and are left out.
+    Within a side: ends with a common normal first, then outer corners, a common face, straight edges, and
+    places along an edge rather than its end; among equals the one farthest from those already chosen; the first
+    is the best place of the longest edges. Gauges whose ends face in opposite directions cannot be seen at once
+    and are left out.
     """
-    sides: list[tuple[NDArray[np.float64], list[Gauge]]] = []
-    for candidate in sorted(candidates, key=_rank):
-        cosine, view = _common_view(candidate.gauge)
-        if cosine <= _OPPOSED:
-            continue
-        for direction, gauges in sides:
+    ranked = sorted((candidate for candidate in candidates if _can_be_seen(candidate.gauge)), key=_rank)
+    classes = [_class(candidate) for candidate in ranked]
+    sides = _by_side([candidate.gauge for candidate in ranked])
+    ends = np.array([(candidate.gauge.start, candidate.gauge.end) for candidate in ranked]).reshape(-1, 2, 3)
+    apart_mm = np.full(len(ranked), np.inf)
+    chosen: list[int] = []
+    while len(chosen) < limit and any(sides):
+        for side in sides:
+            if not side or len(chosen) == limit:
+                continue
+            equals = [index for index in side if classes[index] == classes[side[0]]]
+            best = equals[int(np.argmax(np.round(apart_mm[equals], 3)))]
+            side.remove(best)
+            chosen.append(best)
+            apart_mm = np.minimum(apart_mm, _distance(ends, ends[best]))
+    return tuple(ranked[index].gauge for index in chosen)
+
+
+def _can_be_seen(gauge: Gauge) -> bool:
+    """Whether both ends have a normal, and not only opposite ones."""
+    return len(gauge.start_normals) > 0 < len(gauge.end_normals) and _common_view(gauge)[0] > _OPPOSED
+
+
+def _by_side(gauges: list[Gauge]) -> list[list[int]]:
+    """Indices of the gauges that are seen from one side, for each side, in the order of the gauges."""
+    sides: list[tuple[NDArray[np.float64], list[int]]] = []
+    for index, gauge in enumerate(gauges):
+        _, view = _common_view(gauge)
+        for direction, members in sides:
             if float(direction @ view) > _SAME_SIDE:
-                gauges.append(candidate.gauge)
+                members.append(index)
                 break
         else:
-            sides.append((view, [candidate.gauge]))
-    chosen: list[Gauge] = []
-    for turn in range(max((len(gauges) for _, gauges in sides), default=0)):
-        chosen += [gauges[turn] for _, gauges in sides if turn < len(gauges)]
-    return tuple(chosen[:limit])
+            sides.append((view, [index]))
+    return [members for _, members in sides]
 
 
-def _rank(candidate: Candidate) -> tuple[bool, bool, bool, bool, int, float]:
-    same_side = _common_view(candidate.gauge)[0] > 1 - 1e-3
-    length = round(-candidate.edge_length_mm, 3)
-    corner, curved = candidate.concave, not candidate.straight
-    return (not same_side, corner, not candidate.common_face, curved, candidate.place, length)
+def _class(candidate: Candidate) -> tuple[bool, bool, bool, bool, bool]:
+    """What makes a gauge less robust, the worst first."""
+    same_normal = _common_view(candidate.gauge)[0] > _SAME_NORMAL
+    return (
+        not same_normal,
+        candidate.concave,
+        not candidate.common_face,
+        not candidate.straight,
+        candidate.at_corner,
+    )
+
+
+def _rank(candidate: Candidate) -> tuple[tuple[bool, ...], int, float]:
+    return (_class(candidate), candidate.place, round(-candidate.edge_length_mm, 3))
+
+
+def _distance(ends: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far gauges ``(n, 2, 3)`` are from another ``(2, 3)``, mm: the sum at both ends, either way round."""
+    same, swapped = (np.linalg.norm(ends - turned, axis=2).sum(axis=1) for turned in (other, other[::-1]))
+    return np.asarray(np.minimum(same, swapped))
 
 
 def _common_view(gauge: Gauge) -> tuple[float, NDArray[np.float64]]:

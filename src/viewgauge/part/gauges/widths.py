@@ -36,7 +36,7 @@ def widths(outline: Outline, callout: Callout, faces: Sequence[int]) -> list[Out
     near = [pair for pair, value in pairs.items() if abs(value - best) <= outline.tolerance_mm]
     facing = _ribs_or_slots(outline, [pair for pair in near if _gauges(outline, [pair], best)])
     if not facing:
-        return [Unmeasured("no visible edges of the faces face each other along their normal")]
+        return [Unmeasured("no two visible edges of the faces lie opposite each other along their normal")]
     used = [face for pair in facing for face in pair]
     groups = connected_groups(used, lambda a, b: (a, b) in facing or (b, a) in facing)
     return [Measured(best, _gauges(outline, [p for p in facing if p[0] in group], best)) for group in groups]
