@@ -97,6 +97,7 @@ def test_units():
     assert units.value(2) == 25.4
     assert units.value(5) == pytest.approx(math.radians(1), rel=1e-15)
     assert units.value(8) is None
+    assert Units(StepText.scan("#9=LENGTH_MEASURE_WITH_UNIT(2.,#3);" + UNITS)).value(9) == 50.8
 
 
 def test_units_that_refer_to_themselves_end():

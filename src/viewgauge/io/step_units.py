@@ -78,11 +78,11 @@ class Units:
         for part in self.text.records(number):
             if not part.type.endswith("MEASURE_WITH_UNIT") and part.type != "MEASURE_REPRESENTATION_ITEM":
                 continue
-            amounts = [p for p in part.parameters if isinstance(p, Record) and p.parameters]
+            amounts = [amount for p in part.parameters if (amount := _amount(p)) is not None]
             units = _references(part.parameters)
-            if amounts and units and isinstance(amounts[0].parameters[0], float):
+            if amounts and units:
                 factor = self._factor(units[-1], depth + 1)
-                return None if factor is None else amounts[0].parameters[0] * factor
+                return None if factor is None else amounts[0] * factor
         return None
 
     def _factor(self, number: int, depth: int) -> float | None:
@@ -99,6 +99,13 @@ class Units:
         words = [p.name for p in metric.parameters if isinstance(p, Enumeration)]
         scale = math.prod(_PREFIXES.get(word, 1.0) for word in words)
         return scale * 1000.0 if "METRE" in words else scale if "RADIAN" in words else None
+
+
+def _amount(parameter: object) -> float | None:
+    """The number of ``LENGTH_MEASURE(5.)``, or of a bare ``5.``, which some writers leave."""
+    if isinstance(parameter, Record) and len(parameter.parameters) == 1:
+        parameter = parameter.parameters[0]
+    return parameter if isinstance(parameter, float) else None
 
 
 def _references(parameters: object) -> list[int]:
