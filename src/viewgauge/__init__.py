@@ -1,1 +1,97 @@
-"""Plan camera poses that measure every toleranced dimension of a part accurately enough."""
+"""Plan camera poses that measure every toleranced dimension of a part accurately enough.
+
+>>> import viewgauge as vg
+>>> inspection = vg.load("inspection.yaml")  # doctest: +SKIP
+>>> plan = vg.plan(inspection)  # doctest: +SKIP
+>>> table = vg.evaluate(inspection, "settings.csv")  # doctest: +SKIP
+
+Lengths are mm, angles rad, image positions px; ``T_a_b`` maps coordinates in b to coordinates in a.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from . import errors
+    from .evaluation import Requirement
+    from .exceptions import (
+        InputError,
+        InspectionFileError,
+        NoCandidateError,
+        PartFileError,
+        SettingsFileError,
+        ViewgaugeError,
+    )
+    from .geometry import Camera, PoseError
+    from .planning import CandidateOptions, Plan
+    from .workflow import (
+        Inspection,
+        check,
+        evaluate,
+        load,
+        plan,
+        success_probability,
+        write_evaluation,
+        write_plan,
+    )
+
+_HOME = {
+    "errors": "",
+    **dict.fromkeys(("Camera", "PoseError"), "geometry"),
+    "Requirement": "evaluation",
+    **dict.fromkeys(("CandidateOptions", "Plan"), "planning"),
+    **dict.fromkeys(
+        (
+            "InputError",
+            "InspectionFileError",
+            "NoCandidateError",
+            "PartFileError",
+            "SettingsFileError",
+            "ViewgaugeError",
+        ),
+        "exceptions",
+    ),
+    **dict.fromkeys(
+        ("Inspection", "check", "evaluate", "load", "plan", "success_probability", "write_evaluation", "write_plan"),
+        "workflow",
+    ),
+}
+
+__all__ = [
+    "Camera",
+    "CandidateOptions",
+    "InputError",
+    "Inspection",
+    "InspectionFileError",
+    "NoCandidateError",
+    "PartFileError",
+    "Plan",
+    "PoseError",
+    "Requirement",
+    "SettingsFileError",
+    "ViewgaugeError",
+    "check",
+    "errors",
+    "evaluate",
+    "load",
+    "plan",
+    "success_probability",
+    "write_evaluation",
+    "write_plan",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used: starting is fast, and nothing unused is loaded."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = _HOME[name]
+    value = import_module(f".{name}", __name__) if not home else getattr(import_module(f".{home}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -99,6 +99,8 @@ def success_probability(
         raise InputError("relative_tolerance must not be negative or NaN", key="relative_tolerance")
     image = image_segment(start, end, camera, error, method)
     imaged = ~np.isnan(image.length_mm)
-    safe = SegmentImage(*(np.where(imaged, v, 0.0) for v in (image.length_mm, image.angle_rad, image.sigma_displacement_mm)))
+    safe = SegmentImage(
+        *(np.where(imaged, v, 0.0) for v in (image.length_mm, image.angle_rad, image.sigma_displacement_mm))
+    )
     probability = safe.total_error(camera).central_probability(tolerance * safe.length_mm)
     return np.where(imaged, probability, 0.0)

@@ -96,9 +96,7 @@ def evaluate_settings(
         if progress:
             progress(len(poses))
     columns = {
-        name: np.concatenate([chunk[name] for chunk in chunks])
-        if chunks
-        else np.zeros((0, len(dimensions)))
+        name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros((0, len(dimensions)))
         for name in ("reason", *COLUMNS[2:9], "gauge")
     }
     reason = np.array(REASONS, dtype=object)[columns.pop("reason").astype(int)]

@@ -3,7 +3,7 @@
 from .candidates import default_distance_range, sample_settings, spread_directions
 from .cover import Cover, minimum_cover, surest_minimum_cover
 from .options import CandidateOptions
-from .plan import choose_settings, without_allowed_error
+from .plan import choose_settings, not_measurable, without_allowed_error
 from .result import Plan, PlannedDimension, PlannedSetting
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "choose_settings",
     "default_distance_range",
     "minimum_cover",
+    "not_measurable",
     "sample_settings",
     "spread_directions",
     "surest_minimum_cover",

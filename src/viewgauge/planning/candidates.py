@@ -39,9 +39,7 @@ def spread_directions(
     x = np.cross(z, [1.0, 0.0, 0.0] if abs(z[0]) < 0.9 else [0.0, 1.0, 0.0])
     x /= np.linalg.norm(x)
     y = np.cross(z, x)
-    return np.asarray(
-        (radius * np.cos(turn))[:, None] * x + (radius * np.sin(turn))[:, None] * y + height[:, None] * z
-    )
+    return np.asarray((radius * np.cos(turn))[:, None] * x + (radius * np.sin(turn))[:, None] * y + height[:, None] * z)
 
 
 def default_distance_range(gauge_points: NDArray[np.float64], camera: Camera) -> tuple[float, float]:
@@ -88,8 +86,7 @@ def sample_settings(
     directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
     rolls = np.arange(options.rolls) * np.pi / options.rolls
     target, distance, direction, roll = (
-        index.ravel()
-        for index in np.indices((len(targets), len(distances), len(directions), len(rolls)))
+        index.ravel() for index in np.indices((len(targets), len(distances), len(directions), len(rolls)))
     )
     eyes = targets[target] + distances[distance][:, None] * directions[direction]
     low, high = mesh.bounds

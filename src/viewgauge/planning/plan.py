@@ -14,7 +14,7 @@ from .cause import limiting_cause
 from .cover import DEFAULT_TIME_LIMIT_S, surest_minimum_cover
 from .result import Plan, PlannedDimension, PlannedSetting
 
-__all__ = ["choose_settings", "without_allowed_error"]
+__all__ = ["choose_settings", "not_measurable", "without_allowed_error"]
 
 
 def without_allowed_error(
@@ -66,7 +66,7 @@ def choose_settings(
         if k is not None and reachable[j]:
             observes[k].append(dimension.id)
         planned.append(_planned(table, k, j, dimension, names.get(k) if k is not None and reachable[j] else None))
-    planned += [_not_measurable(entry) for entry in unusable]
+    planned += not_measurable(unusable)
     return Plan(
         seed=seed,
         settings=tuple(PlannedSetting(names[k], T_part_camera[k], tuple(observes[k])) for k in cover.chosen),
@@ -76,9 +76,7 @@ def choose_settings(
     )
 
 
-def _planned(
-    table: xr.Dataset, k: int | None, j: int, dimension: Dimension, setting: str | None
-) -> PlannedDimension:
+def _planned(table: xr.Dataset, k: int | None, j: int, dimension: Dimension, setting: str | None) -> PlannedDimension:
     seen = k is not None and bool(table["visible"].values[k, j])
     gauge = dimension.gauges[int(table["gauge"].values[k, j])] if seen else None
     return PlannedDimension(
@@ -96,17 +94,21 @@ def _planned(
     )
 
 
-def _not_measurable(entry: Unusable) -> PlannedDimension:
-    return PlannedDimension(
-        id=entry.id,
-        kind=entry.kind,
-        nominal_mm=entry.nominal_mm,
-        tolerance_mm=entry.tolerance_mm,
-        allowed_error_mm=float("nan"),
-        status="not_measurable",
-        probability=0.0,
-        expected_accuracy=0.0,
-        setting=None,
-        gauge=None,
-        limit=entry.reason,
-    )
+def not_measurable(unusable: Sequence[Unusable]) -> list[PlannedDimension]:
+    """The plan's entries for what cannot be measured, with the reason."""
+    return [
+        PlannedDimension(
+            id=entry.id,
+            kind=entry.kind,
+            nominal_mm=entry.nominal_mm,
+            tolerance_mm=entry.tolerance_mm,
+            allowed_error_mm=float("nan"),
+            status="not_measurable",
+            probability=0.0,
+            expected_accuracy=0.0,
+            setting=None,
+            gauge=None,
+            limit=entry.reason,
+        )
+        for entry in unusable
+    ]

@@ -70,7 +70,9 @@ def simulate_length_errors(
     if points.shape != (2, 3) or not np.isfinite(points).all() or (points[:, 2] <= 0).any():
         raise InputError("start and end must be finite points in front of the camera", got=points.tolist())
     assert error.T_camera_head is not None  # set by PoseError
-    displaced_head = transform(draw_pose_errors(error, draws, rng)[:, None], transform(invert(error.T_camera_head), points))
+    displaced_head = transform(
+        draw_pose_errors(error, draws, rng)[:, None], transform(invert(error.T_camera_head), points)
+    )
     image = camera.project(transform(error.T_camera_head, displaced_head))
     image = image + (rng.random(image.shape) - 0.5) * np.asarray(camera.quantization_step_mm)
     nominal = np.linalg.norm(np.diff(camera.project(points), axis=0))

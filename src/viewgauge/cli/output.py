@@ -1,0 +1,88 @@
+"""What the commands print."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+__all__ = ["print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
+
+_STATUS_ORDER = {"unmet": 0, "not_measurable": 1, "met": 2}
+
+
+def print_json(document: Any) -> None:
+    """JSON on standard output."""
+    print(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_error(error: Exception, *, as_json: bool) -> None:
+    """One clear message on standard error; for programs also as JSON on standard output."""
+    print(f"viewgauge: {error}", file=sys.stderr)
+    if as_json:
+        names = ("problem", "file", "line", "key", "expected", "hint")
+        details = {name: getattr(error, name, None) for name in names}
+        details["got"] = None if getattr(error, "got", None) is None else str(error.got)  # type: ignore[attr-defined]
+        print_json({"error": {"kind": type(error).__name__, "message": str(error), **details}})
+
+
+def print_plan(document: dict[str, Any], folder: str) -> None:
+    """A plan in a few lines: the count, what is not met and why, and the table of what is."""
+    by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUS_ORDER}
+    count, bound = document["count"], document["lower_bound"]
+    proof = "proven fewest" if document["proven"] else f"at least {bound} are needed"
+    total = len(document["dimensions"])
+    settings = "1 setting" if count == 1 else f"{count} settings"
+    print(
+        f"{settings} ({proof} of {document['candidates']} candidates) for {len(by_status['met'])} of {total} dimensions"
+    )
+    required = document["requirement"]["probability"]
+    for dimension in by_status["unmet"]:
+        best = f"best probability {_sure(dimension['probability'])} of {required:g} required"
+        print(f"  unmet           {dimension['id']}: {best}; {dimension['limit']}")
+    for dimension in by_status["not_measurable"]:
+        print(f"  not measurable  {dimension['id']}: {dimension['limit']}")
+    if by_status["met"]:
+        weakest = min(by_status["met"], key=lambda d: float(d["probability"]))
+        print(f"weakest dimension met: {weakest['id']} with probability {_sure(weakest['probability'])}")
+    for setting in document["settings"]:
+        print(f"  {setting['id']} measures {', '.join(setting['observes'])}")
+    print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
+
+
+def print_table_summary(rows: dict[str, dict[str, Any]], settings: int) -> None:
+    """For each dimension the best of the evaluated settings."""
+    print(f"{len(rows)} dimensions from {settings} settings; the best of each:")
+    for name, row in rows.items():
+        verdict = "accepted" if row["accepted"] else "not accepted"
+        seen = f"probability {_sure(row['probability'])} from {row['setting']}" if row["visible"] else row["reason"]
+        print(f"  {name}: {seen}, {verdict}")
+
+
+def print_check(document: dict[str, Any]) -> None:
+    """What was read: the part, its dimensions, and what cannot be measured."""
+    part, dimensions, refused = document["part"], document["dimensions"], document["not_measurable"]
+    size = " x ".join(f"{length:.4g}" for length in part["size_mm"])
+    print(f"{part['name']}: {size} mm (file in {part['length_unit']}), {part['triangles']} triangles", end="")
+    print(f" within {part['chord_error_mm']:.2g} mm of the surface")
+    for note in part["notes"]:
+        print(f"  note: {note}")
+    print(f"{len(dimensions)} dimensions can be measured:")
+    for d in dimensions:
+        tolerance = "no tolerance" if d["tolerance_mm"] is None else "{:+g} {:+g}".format(*d["tolerance_mm"])
+        gauges = "1 gauge" if d["gauges"] == 1 else f"{d['gauges']} gauges"
+        print(
+            f"  {d['id']}: {d['kind']} {d['nominal_mm']:.6g} mm ({tolerance}), "
+            f"allowed error {d['allowed_error_mm']:.3g} mm, {gauges}"
+        )
+    if refused:
+        print(f"{len(refused)} cannot:")
+    for d in refused:
+        print(f"  {d['id']}: {d['kind']}; {d['reason']}")
+
+
+def _sure(probability: float) -> str:
+    """A probability rounded down: it never reads higher than it is, and never as certain."""
+    if probability > 0.9999:
+        return "> 0.9999"
+    return f"{int(probability * 10_000) / 10_000:.4f}"

@@ -1,0 +1,49 @@
+"""Everything one inspection needs, read and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import Requirement
+from ..geometry import Camera, PoseError
+from ..part import Part
+from ..planning import CandidateOptions
+from ..visibility import ObservationLimits
+
+__all__ = ["ExplicitSettings", "Inspection"]
+
+
+@dataclass(frozen=True)
+class ExplicitSettings:
+    """Sensor settings given one by one: n names and ``T_part_camera`` ``(n, 4, 4)`` mm."""
+
+    ids: tuple[str, ...]
+    T_part_camera: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """A part, a camera on a head, a requirement, and where the camera may stand.
+
+    Parameters
+    ----------
+    inputs
+        SHA-256 of each input file, by its name.
+    settings
+        Explicit candidate settings, which take the place of sampled ones; None to sample.
+    """
+
+    name: str
+    part: Part
+    camera: Camera
+    head: PoseError
+    requirement: Requirement
+    candidates: CandidateOptions
+    limits: ObservationLimits
+    settings: ExplicitSettings | None
+    seed: int
+    inputs: Mapping[str, str]

@@ -1,0 +1,168 @@
+"""Read an inspection: its file, its part, and whatever else it names."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from ..exceptions import InputError, InspectionFileError, PartFileError
+from ..io.inspection import DimensionEntry, InspectionFile, read_inspection_file
+from ..io.meshes import read_mesh
+from ..io.settings import read_settings
+from ..io.step_process import read_step
+from ..part import Dimension, Part, Unusable
+from ..part.feature_lines import brep_feature_lines, mesh_feature_lines
+from ..part.gauges import derive_dimensions
+from ..part.mesh_gauges import gauge_on_mesh
+from .inspection import ExplicitSettings, Inspection
+
+__all__ = ["load"]
+
+_STEP_SUFFIXES = {".stp", ".step", ".p21"}
+_MESH_SUFFIXES = {".stl", ".ply", ".obj"}
+
+
+def load(path: str | PathLike[str], *, part: str | PathLike[str] | None = None) -> Inspection:
+    """Read an inspection file and everything that it names.
+
+    Parameters
+    ----------
+    path
+        The inspection file (YAML).
+    part
+        CAD file or mesh, in place of the file's own ``part.file``.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or something in it cannot be used; it says where.
+    """
+    file = read_inspection_file(path)
+    part_path = Path(part) if part is not None else file.part_file
+    if part_path is None:
+        raise InspectionFileError(
+            "no part is given", file=file.path, key="part.file", hint="name the part's file there, or with --part"
+        )
+    loaded = _with_entries(read_part(part_path), file)
+    settings = None
+    if file.settings_file is not None:
+        ids, poses = read_settings(file.settings_file)
+        settings = ExplicitSettings(ids, poses)
+    used = (file.path, part_path, file.settings_file, file.covariance_file)
+    return Inspection(
+        name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
+        part=loaded,
+        camera=file.camera,
+        head=file.head,
+        requirement=file.requirement,
+        candidates=file.candidates,
+        limits=file.limits,
+        settings=settings,
+        seed=file.seed,
+        inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
+    )
+
+
+def read_part(path: Path) -> Part:
+    """The part of a STEP file, with the dimensions of its PMI, or of a mesh, with none.
+
+    Raises
+    ------
+    PartFileError
+        If the file is of another kind or cannot be read.
+    """
+    suffix = path.suffix.lower()
+    if suffix in _STEP_SUFFIXES:
+        brep = read_step(path)
+        dimensions, unusable = derive_dimensions(brep)
+        return Part(
+            name=brep.name or path.stem,
+            mesh=brep.mesh,
+            dimensions=dimensions,
+            unusable=unusable,
+            notes=brep.notes,
+            length_unit=brep.length_unit,
+            feature_lines=brep_feature_lines(brep),
+        )
+    if suffix in _MESH_SUFFIXES:
+        mesh, notes = read_mesh(path)
+        return Part(path.stem, mesh, (), notes=notes, feature_lines=mesh_feature_lines(mesh))
+    raise PartFileError(
+        "this kind of part file is not known",
+        file=path,
+        got=f"suffix {path.suffix!r}",
+        expected="STEP (.stp, .step, .p21) or a mesh (.stl, .ply, .obj)",
+    )
+
+
+def _with_entries(part: Part, file: InspectionFile) -> Part:
+    """The part with the inspection file's own dimensions and tolerances.
+
+    An entry with two points adds a dimension (or takes the place of the PMI's of the same id); an entry without
+    changes the tolerance or observation of the PMI's; the general tolerance goes to dimensions that have none.
+    """
+    dimensions = {dimension.id: dimension for dimension in part.dimensions}
+    unusable = {entry.id: entry for entry in part.unusable}
+    notes = list(part.notes)
+    for entry in file.dimensions:
+        if not entry.is_override:
+            if entry.id in dimensions or entry.id in unusable:
+                notes.append(f"dimension {entry.id}: the inspection file's two points replace the part's PMI")
+                unusable.pop(entry.id, None)
+            dimensions[entry.id] = _own_dimension(entry, part, file)
+        elif entry.id in dimensions:
+            dimensions[entry.id] = _changed(dimensions[entry.id], entry)
+        elif entry.id not in unusable:
+            raise InspectionFileError(
+                f"dimension {entry.id!r} is not in the part's PMI",
+                file=file.path,
+                line=entry.line,
+                key="part.dimensions",
+                expected=_known(dimensions, unusable),
+                hint="give it two points, start and end, or correct its id",
+            )
+    if file.general_tolerance_mm is not None:
+        for name, dimension in dimensions.items():
+            if dimension.tolerance_mm is None:
+                dimensions[name] = replace(dimension, tolerance_mm=file.general_tolerance_mm)
+    if not dimensions and not unusable:
+        raise InspectionFileError(
+            "there is no dimension to measure: the part brings none, and the file gives none",
+            file=file.path,
+            key="part.dimensions",
+            hint="add dimensions with an id, a start and an end to part.dimensions",
+        )
+    return replace(part, dimensions=tuple(dimensions.values()), unusable=tuple(unusable.values()), notes=tuple(notes))
+
+
+def _own_dimension(entry: DimensionEntry, part: Part, file: InspectionFile) -> Dimension:
+    assert entry.start_mm is not None  # the caller's condition
+    assert entry.end_mm is not None
+    try:
+        gauge = gauge_on_mesh(part.mesh, entry.start_mm, entry.end_mm)
+    except InputError as error:
+        raise InspectionFileError(
+            f"dimension {entry.id!r}: {error.problem}",
+            file=file.path,
+            line=entry.line,
+            key="part.dimensions",
+            got=error.got,
+            expected=error.expected,
+            hint=error.hint,
+        ) from error
+    return Dimension(entry.id, "gauge", gauge.length_mm, entry.tolerance_mm, (gauge,), entry.observed or "ends")
+
+
+def _changed(dimension: Dimension, entry: DimensionEntry) -> Dimension:
+    return replace(
+        dimension,
+        tolerance_mm=entry.tolerance_mm or dimension.tolerance_mm,
+        observed=entry.observed or dimension.observed,
+    )
+
+
+def _known(dimensions: dict[str, Dimension], unusable: dict[str, Unusable]) -> str:
+    names = [*dimensions, *unusable]
+    return "one of " + ", ".join(names[:20]) + (", …" if len(names) > 20 else "") if names else "no id: there is no PMI"
