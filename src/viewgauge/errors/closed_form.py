@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TypeVar
 
 import numba
 import numpy as np
@@ -38,7 +39,13 @@ _NORMAL_REACH = 9.0
 
 _S_COEFFICIENTS = np.array([2.0 / math.factorial(2 * k + 2) for k in range(_SERIES_TERMS)])
 
-_scalar = numba.njit(cache=True, fastmath=False, error_model="numpy")
+_Scalar = TypeVar("_Scalar", bound=Callable[..., float])
+
+
+def _scalar(function: _Scalar) -> _Scalar:
+    """Compile by numba, which ships no types of its own."""
+    compiled: _Scalar = numba.njit(cache=True, error_model="numpy")(function)
+    return compiled
 
 
 @_scalar

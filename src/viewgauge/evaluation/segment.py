@@ -56,7 +56,7 @@ def image_segment(
         ``(..., 3)`` mm, camera frame.
     """
     points = np.stack(np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float)), axis=-2)
-    in_front = (points[..., 2] > 0).all(axis=-1)
+    in_front = np.asarray((points[..., 2] > 0).all(axis=-1))
     points = np.where(in_front[..., None, None], points, [0.0, 0.0, 1.0])  # any imageable point; masked below
     image = camera.project(points)
     delta = image[..., 1, :] - image[..., 0, :]

@@ -117,7 +117,8 @@ class Camera:
 
     def to_pixels(self, image_mm: ArrayLike) -> NDArray[np.float64]:
         """Pixel coordinates ``(..., 2)`` px of image points ``(..., 2)`` mm."""
-        return np.asarray(image_mm, dtype=float) / np.asarray(self.pixel_pitch_mm) + np.asarray(self.principal_point)
+        pixels = np.asarray(image_mm, dtype=float) / np.asarray(self.pixel_pitch_mm)
+        return np.asarray(pixels + np.asarray(self.principal_point))
 
     def blur_px(self, depth_mm: ArrayLike) -> NDArray[np.float64]:
         """Diameter of the circle of confusion of a point at a depth, px (thin lens; 0 without an aperture).

@@ -115,6 +115,6 @@ def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
             expected="no negative eigenvalue",
             hint="check the units (mm, rad), the order (translation first) and the number of digits",
         )
-    symmetric = (matrix + matrix.T) / 2
+    symmetric = np.asarray((matrix + matrix.T) / 2)
     symmetric.flags.writeable = False
     return symmetric

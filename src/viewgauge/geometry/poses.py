@@ -86,7 +86,7 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
 def quaternion_from_pose(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit quaternions ``(..., 4)``, scalar first and not negative, of poses ``(..., 4, 4)``."""
     xyzw = Rotation.from_matrix(T_a_b[..., :3, :3].reshape(-1, 3, 3)).as_quat(canonical=True)
-    return np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4)
+    return np.asarray(np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4))
 
 
 def look_at(eye_mm: ArrayLike, target_mm: ArrayLike, roll_rad: ArrayLike = 0.0) -> NDArray[np.float64]:

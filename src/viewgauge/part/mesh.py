@@ -34,7 +34,7 @@ class Mesh:
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         cross = np.cross(b - a, c - a)
         length = np.linalg.norm(cross, axis=1, keepdims=True)
-        return np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
+        return np.asarray(np.divide(cross, length, out=np.zeros_like(cross), where=length > 0))
 
     @property
     def bounds(self) -> NDArray[np.float64]:

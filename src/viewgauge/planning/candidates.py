@@ -102,7 +102,7 @@ def sample_settings(
 def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:
     """Points to aim at ``(1 + k, 3)`` mm: the middle of all gauges, and k centres of clusters of gauges."""
     ends = gauge_points.reshape(-1, 3)
-    middle = (ends.min(axis=0) + ends.max(axis=0)) / 2
+    middle = np.asarray((ends.min(axis=0) + ends.max(axis=0)) / 2)
     midpoints = np.unique(gauge_points.mean(axis=1).round(9), axis=0)
     k = min(clusters, len(midpoints))
     if k == 0:

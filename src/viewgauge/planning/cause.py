@@ -37,4 +37,5 @@ def limiting_cause(column: xr.Dataset) -> str:
     pose, pixels = float(best["sigma_displacement_px"]) ** 2, float(best["sigma_quantization_px"]) ** 2
     share = pose / (pose + pixels) if pose + pixels > 0 else 0.0
     source = f"pose error ({share:.0%} of the variance)" if share > 0.5 else f"pixels ({1 - share:.0%} of the variance)"
-    return f"visible, but limited by {source}: standard deviation {np.sqrt(pose + pixels):.3g} px of {float(best['image_length_px']):.4g} px"
+    length = float(best["image_length_px"])
+    return f"visible, but limited by {source}: standard deviation {np.sqrt(pose + pixels):.3g} px of {length:.4g} px"

@@ -55,7 +55,7 @@ def choose_settings(
         Names of the n candidates; the chosen ones are called S1, S2, … where not given.
     """
     probability = np.where(table["visible"].values, table["probability"].values, 0.0)
-    reachable = (probability >= requirement.probability).any(axis=0)
+    reachable = np.asarray((probability >= requirement.probability).any(axis=0))
     cover = surest_minimum_cover(probability[:, reachable], requirement.probability, time_limit_s)
     names = {k: setting_ids[k] if setting_ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)}
     planned = []

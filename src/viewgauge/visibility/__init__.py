@@ -4,4 +4,4 @@ from .limits import ObservationLimits
 from .observability import REASONS, Observation, observe
 from .occlusion import Occluder
 
-__all__ = ["REASONS", "ObservationLimits", "Observation", "Occluder", "observe"]
+__all__ = ["REASONS", "Observation", "ObservationLimits", "Occluder", "observe"]

@@ -110,7 +110,7 @@ def _simulated(
             ends = transform(invert(T_part_camera[k]), np.stack([gauge.start, gauge.end]))
             # every pair has its own stream, so that a value does not depend on which other pairs there are
             rng = np.random.default_rng((inspection.seed, pair))
-            errors = np.abs(simulate_length_errors(*ends, camera, inspection.head, draws, rng))
+            errors = np.abs(simulate_length_errors(ends[0], ends[1], camera, inspection.head, draws, rng))
             length = float(np.linalg.norm(np.diff(camera.project(ends), axis=0)))
             errors[np.isnan(errors)] = np.inf
             probability[k, j] = np.mean(errors <= table["relative_tolerance"].values[k, j] * length)
