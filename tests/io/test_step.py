@@ -115,6 +115,23 @@ def test_counts(part):
         assert set(face.edges) == {k for k, edge in enumerate(part.edges) if index in edge.faces}
 
 
+def test_free_form_planes_cylinders_lines_and_circles_are_recognised(tmp_path):
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
+
+    path = write(BRepBuilderAPI_NurbsConvert(block()).Shape(), tmp_path / "a.step")
+    assert "PLANE(" not in path.read_text()
+    brep = read_step(path, chord_error_mm=0.02)
+    test_counts(brep)
+    test_plane_normals_point_outwards(brep)
+    (wall,) = (face for face in brep.faces if face.kind == "cylinder")
+    assert wall.concave
+    assert wall.radius_mm == pytest.approx(RADIUS, abs=1e-5)
+    for edge in (edge for edge in brep.edges if edge.kind == "circle"):
+        assert edge.radius_mm == pytest.approx(RADIUS, abs=1e-6)
+        np.testing.assert_allclose(edge.centre[:2], AXIS, atol=1e-6)
+        np.testing.assert_allclose(np.abs(edge.axis), [0, 0, 1], atol=1e-6)
+
+
 def test_plane_normals_point_outwards(part):
     planes = [face for face in part.faces if face.kind == "plane"]
     for face in planes:
@@ -311,7 +328,7 @@ def test_a_coordinate_that_is_no_number_is_refused(tmp_path):
 
 def test_too_little_memory_is_an_error_and_no_crash(tmp_path):
     path = write(block(), tmp_path / "a.step")
-    with pytest.raises(PartFileError):
+    with pytest.raises(PartFileError, match=r"more than 0\.293 GiB of memory"):
         read_step(path, memory_bytes=300 * 2**20)
 
 

@@ -216,7 +216,12 @@ def test_coordinates_that_are_not_finite(step_file):
 
 @pytest.mark.parametrize(
     ("kind", "words"),
-    [("memory", "more than 6 GiB"), ("import", "not installed"), ("failed", "failed on this file"), ("refused", "Why")],
+    [
+        ("memory", "more than 6 GiB"),
+        ("import", "cannot be loaded"),
+        ("failed", "failed on this file"),
+        ("refused", "Why"),
+    ],
 )
 def test_what_the_child_reports_reaches_the_user(step_file, kind, words):
     record = json.dumps({"kind": kind, "problem": "Why", "got": None, "expected": None, "hint": None})

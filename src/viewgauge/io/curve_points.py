@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["arc_parameters", "refined_parameters"]
+__all__ = ["arc_parameters", "circle_through", "is_straight", "refined_parameters"]
 
 _FIRST_SPANS = 8
 _ROUNDS = 12
@@ -38,6 +38,34 @@ def refined_parameters(
             break
         parameters = np.sort(np.concatenate([parameters, middle[off]]))
     return parameters
+
+
+def is_straight(points: NDArray[np.float64], tolerance: float) -> bool:
+    """Whether points ``(n, 3)`` lie within the tolerance (mm) of the segment from the first to the last."""
+    if float(np.linalg.norm(points[-1] - points[0])) <= tolerance:
+        return False
+    return bool(np.all(_distance_to_chord(points, points[:1], points[-1:]) <= tolerance))
+
+
+def circle_through(
+    points: NDArray[np.float64], tolerance: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
+    """Centre, axis and radius (mm) of the circle on which points ``(n, 3)`` lie within the tolerance (mm), or None.
+
+    The centre c solves 2 (p - m) . c = |p - m|^2 - mean in the points' plane, least squares about their mean m.
+    """
+    mean = points.mean(axis=0)
+    _, sizes, axes = np.linalg.svd(points - mean, full_matrices=False)
+    if len(points) < 4 or sizes[2] > tolerance or sizes[1] <= tolerance:
+        return None
+    flat = (points - mean) @ axes[:2].T
+    square = np.einsum("ij,ij->i", flat, flat)
+    centre = np.linalg.lstsq(2.0 * flat, square - square.mean(), rcond=None)[0]
+    distance = np.linalg.norm(flat - centre, axis=1)
+    radius = float(distance.mean())
+    if float(np.abs(distance - radius).max()) > tolerance:
+        return None
+    return mean + centre @ axes[:2], axes[2], radius
 
 
 def _distance_to_chord(

@@ -22,8 +22,9 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
-from OCP.gp import gp_Pnt, gp_Vec
+from OCP.gp import gp_Cylinder, gp_Pln, gp_Pnt, gp_Vec
 from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp, TopExp_Explorer
@@ -33,7 +34,7 @@ from OCP.TopoDS import TopoDS
 from ..exceptions import PartFileError
 from ..part.brep import Brep, Edge, Face, Reference
 from ..part.mesh import Mesh
-from .curve_points import arc_parameters, refined_parameters
+from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
 from .step_pmi import DimensionReader, to_callouts
 from .step_text import StepText, not_a_number
 from .step_units import Units
@@ -43,6 +44,7 @@ __all__ = ["read_part"]
 
 _ANGULAR_DEFLECTION_RAD = 0.35
 _SMOOTH_COSINE = np.cos(0.01)  # tangent within CAD tolerances
+_SAME_SHAPE_MM = 1e-4  # a free-form curve or surface this close to a simple one is taken as that
 _SURFACES: dict[Any, FaceKind] = {
     GeomAbs_SurfaceType.GeomAbs_Plane: "plane",
     GeomAbs_SurfaceType.GeomAbs_Cylinder: "cylinder",
@@ -183,7 +185,7 @@ class _Topology:
         """The mesh, and -1 where the file's solids are inside out (the mesh is turned right), else 1."""
         weld = Weld()
         for root in self.roots:
-            BRepMesh_IncrementalMesh(root, self.chord_error_mm, False, _ANGULAR_DEFLECTION_RAD, True)
+            BRepMesh_IncrementalMesh(root, self.chord_error_mm, False, _ANGULAR_DEFLECTION_RAD)
         bare = sum(not self._add_triangles(weld, face) for face in self.face_shapes)
         if bare:
             notes.append(f"{bare} faces could not be meshed and hide nothing.")
@@ -236,11 +238,11 @@ class _Topology:
 
     def _face(self, index: int, sign: float) -> Face:
         surface = self.surfaces[index]
-        kind = _SURFACES.get(surface.GetType(), "other")
+        kind, simple = _recognised(self.face_shapes[index], surface)
         u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
         v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
         point, normal = self._normal(index, u, v, sign)
-        origin, axis, radius, centre = _frame(surface, kind, point)
+        origin, axis, radius, centre = _frame(simple, kind, point)
         if kind == "plane":
             axis = normal
         concave = kind in _ROUND and float(normal @ (point - centre)) < 0
@@ -331,30 +333,41 @@ def _array(point: Any) -> Vectors:
     return np.array([point.X(), point.Y(), point.Z()], dtype=np.float64)
 
 
-def _frame(surface: Any, kind: str, point: Vectors) -> tuple[Vectors, Vectors, float, Vectors]:
+def _recognised(face: Any, surface: Any) -> tuple[FaceKind, Any]:
+    """Kind and simple surface of a face, free-form planes and cylinders as such; None where it has no simple one."""
+    kind = _SURFACES.get(surface.GetType())
+    if kind is not None:
+        return kind, getattr(surface, kind.capitalize())()
+    recognition, plane, cylinder = ShapeAnalysis_CanonicalRecognition(face), gp_Pln(), gp_Cylinder()
+    if recognition.IsPlane(_SAME_SHAPE_MM, plane):
+        return "plane", plane
+    if recognition.IsCylinder(_SAME_SHAPE_MM, cylinder):
+        return "cylinder", cylinder
+    return "other", None
+
+
+def _frame(simple: Any, kind: FaceKind, point: Vectors) -> tuple[Vectors, Vectors, float, Vectors]:
     """Origin, axis and radius of a surface, and the centre that its curvature turns around at a point."""
     if kind == "plane":
         return point, np.zeros(3), np.nan, point
-    if kind == "sphere":
-        sphere = surface.Sphere()
-        centre = _array(sphere.Location())
-        return centre, _array(sphere.Position().Direction()), float(sphere.Radius()), centre
-    if kind not in _ROUND:
+    if kind == "other":
         return np.zeros(3), np.zeros(3), np.nan, point
-    shape = getattr(surface, kind.capitalize())()
-    origin, axis = _array(shape.Axis().Location()), _array(shape.Axis().Direction())
+    origin = _array(simple.Location())
+    if kind == "sphere":
+        return origin, _array(simple.Position().Direction()), float(simple.Radius()), origin
+    axis = _array(simple.Axis().Direction())
     foot = origin + axis * float(axis @ (point - origin))
     if kind == "torus":
         radial = point - foot
-        centre = origin + radial * (shape.MajorRadius() / max(float(np.linalg.norm(radial)), 1e-12))
+        centre = origin + radial * (simple.MajorRadius() / max(float(np.linalg.norm(radial)), 1e-12))
         return origin, axis, np.nan, centre
-    return origin, axis, float(shape.Radius()) if kind == "cylinder" else np.nan, foot
+    return origin, axis, float(simple.Radius()) if kind == "cylinder" else np.nan, foot
 
 
 def _sampled(
     curve: Any, chord_error_mm: float
 ) -> tuple[Literal["line", "circle", "other"], Vectors, Vectors, Vectors, float]:
-    """Kind, parameters of the points, centre, axis and radius of a curve."""
+    """Kind, parameters of the points, centre, axis and radius of a curve; free-form lines and circles as such."""
     start, stop = curve.FirstParameter(), curve.LastParameter()
     if curve.GetType() == GeomAbs_CurveType.GeomAbs_Line:
         return "line", np.array([start, stop]), np.zeros(3), np.zeros(3), np.nan
@@ -368,7 +381,12 @@ def _sampled(
         place = curve.Value(u)
         return place.X(), place.Y(), place.Z()
 
-    return "other", refined_parameters(point, start, stop, chord_error_mm), np.zeros(3), np.zeros(3), np.nan
+    parameters = refined_parameters(point, start, stop, chord_error_mm)
+    points = np.array([point(float(u)) for u in parameters])
+    if is_straight(points, _SAME_SHAPE_MM):
+        return "line", np.array([start, stop]), np.zeros(3), np.zeros(3), np.nan
+    found = circle_through(points, _SAME_SHAPE_MM)
+    return ("circle", parameters, *found) if found else ("other", parameters, np.zeros(3), np.zeros(3), np.nan)
 
 
 def _without_gaps(normals: Vectors) -> Vectors:

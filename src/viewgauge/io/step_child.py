@@ -37,7 +37,8 @@ def main(arguments: list[str]) -> int:
     except PartFileError as error:
         _refuse(folder, "refused", error.problem, error)
     except ImportError as error:
-        _refuse(folder, "import", str(error))
+        short = any(words in str(error) for words in ("failed to map segment", "Cannot allocate memory"))
+        _refuse(folder, "memory" if short else "import", str(error))
     except MemoryError:
         _refuse(folder, "memory", "out of memory")
     except Exception as error:  # the kernel raises types of its own; none may reach the user as a traceback

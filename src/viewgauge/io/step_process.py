@@ -29,6 +29,8 @@ _CHILD = (sys.executable, "-P", "-m", "viewgauge.io.step_child")
 _START, _END = b"ISO-10303-21", b"END-ISO-10303-21"
 _INSTALL = 'pip install "viewgauge[step]"'
 _MESSAGE_BYTES = 4096
+# Threads and their arenas reserve address space by the core, and the limit is one of address space.
+_FRUGAL = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "2"}
 
 
 def read_step(
@@ -130,6 +132,7 @@ def _run(command: Sequence[str], path: Path, options: Options, timeout_s: float)
             stdout=output,
             stderr=output,
             start_new_session=True,
+            env={**os.environ, **_FRUGAL},
         )
         try:
             code = child.wait(timeout_s)
@@ -206,5 +209,7 @@ def _error(path: Path, outcome: _Outcome, options: Options, timeout_s: float) ->
 
 
 def _not_installed(path: Path, got: str | None) -> PartFileError:
-    hint = f"{_INSTALL}; on Debian and Ubuntu also: apt install libgl1" if got else _INSTALL
-    return PartFileError("STEP files need the CAD kernel, which is not installed", file=path, got=got, hint=hint)
+    if got is None:
+        return PartFileError("STEP files need the CAD kernel, which is not installed", file=path, hint=_INSTALL)
+    hint = f"{_INSTALL}; on Debian and Ubuntu also: apt install libgl1"
+    return PartFileError("STEP files need the CAD kernel, which cannot be loaded", file=path, got=got, hint=hint)
