@@ -36,6 +36,8 @@ _SERIES_RATIO = 0.5
 _SERIES_TERMS = 11
 # Beyond this many sigma a normal law is 0 or 1 to double precision.
 _NORMAL_REACH = 9.0
+# A part below this share of the widest one changes nothing, and its square would underflow.
+_NEGLIGIBLE = 1e-100
 
 _S_COEFFICIENTS = np.array([2.0 / math.factorial(2 * k + 2) for k in range(_SERIES_TERMS)])
 
@@ -96,8 +98,6 @@ def _series(y: float, sigma: float, a: float, b: float, order: int) -> float:
 @_scalar
 def _spread_by_b(y: float, sigma: float, b: float, order: int) -> float:
     """``S_b G_order(y)`` for order 1, 2 or 3."""
-    if b <= _SERIES_RATIO * sigma or b == 0.0:
-        return _series(y, sigma, 0.0, b, order) if sigma > 0.0 else _integrated_normal(y, 0.0, order)
     if abs(y) >= b + _NORMAL_REACH * sigma:  # the whole law lies on one side: its first three moments say all
         if y < 0.0:
             return 0.0
@@ -105,6 +105,8 @@ def _spread_by_b(y: float, sigma: float, b: float, order: int) -> float:
         if order == 1:
             return y
         return 0.5 * (y * y + variance) if order == 2 else y * (y * y + 3.0 * variance) / 6.0
+    if b <= _SERIES_RATIO * sigma:
+        return _series(y, sigma, 0.0, b, order)
     upper = _integrated_normal(y + b, sigma, order + 2)
     middle = _integrated_normal(y, sigma, order + 2)
     lower = _integrated_normal(y - b, sigma, order + 2)
@@ -119,16 +121,19 @@ def _total(x: float, sigma: float, a: float, b: float, order: int) -> float:
     wide, narrow = abs(a), abs(b)
     if wide < narrow:
         wide, narrow = narrow, wide
-    if narrow < 1e-100 * wide:  # its square would underflow
+    if narrow < _NEGLIGIBLE * wide:
         narrow = 0.0
-    if sigma > 0.0 and wide <= _SERIES_RATIO * sigma:
-        return _series(x, sigma, wide, narrow, order)
-    if wide == 0.0:  # no error at all
+    if sigma < _NEGLIGIBLE * wide:
+        sigma = 0.0
+    if wide == 0.0 and sigma == 0.0:  # no error at all
         if order == 0:
             return 1.0 if x >= 0.0 else 0.0
         return math.inf if order < 0 and x == 0.0 else 0.0
     if x <= -(wide + narrow + _NORMAL_REACH * sigma):
         return 0.0
+    if wide <= _SERIES_RATIO * sigma:
+        # in units of sigma, so that nothing under- or overflows
+        return _series(x / sigma, 1.0, wide / sigma, narrow / sigma, order) * sigma**order
     # in units of the wide half-width, so that nothing under- or overflows
     x, sigma, narrow = x / wide, sigma / wide, narrow / wide
     value = (

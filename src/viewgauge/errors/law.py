@@ -55,7 +55,10 @@ class Law(ABC):
         return np.sqrt(self.var())
 
     def ppf(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Quantile: the x with cdf(x) = q; the ends of the support for 0 and 1, NaN outside [0, 1]."""
+        """Quantile: the x with cdf(x) = q; the ends of the support for 0 and 1, NaN outside [0, 1].
+
+        Where q is too small for the cdf to tell it from 0 (below about 1e-18), a lower bound of the quantile.
+        """
         q = np.asarray(q, dtype=float)
         low, high = self.support()
         inside = np.where((q > 0) & (q < 1), q, 0.5)
@@ -81,7 +84,7 @@ class Law(ABC):
                 tolerances={"xrtol": 1e-15, "fatol": 0.0, "xatol": 0.0, "frtol": 0.0},
                 maxiter=200,
             )
-            root[open_bracket] = found.x
+            root[open_bracket] = np.where(found.success, found.x, left[open_bracket])
         return np.asarray(
             np.select([q == 0, q == 1, (q > 0) & (q < 1)], [low, high, root], default=np.nan), dtype=float
         )
@@ -97,8 +100,19 @@ class Law(ABC):
 
 
 def require_not_negative(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """The value as float64; raises InputError where an entry is negative, infinite or NaN."""
-    array = np.asarray(value, dtype=float)
-    if not np.isfinite(array).all() or (array < 0).any():
-        raise InputError(f"{name} must be finite and not negative", key=name, got=value)
+    """The value as float64; raises InputError where an entry is negative, infinite, NaN or not a number."""
+    array = require_finite(name, value)
+    if (array < 0).any():
+        raise InputError("must not be negative", key=name, got=value)
+    return array
+
+
+def require_finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """The value as float64; raises InputError where an entry is infinite, NaN or not a number."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError("must be a number or an array of numbers", key=name, got=value) from error
+    if not np.isfinite(array).all():
+        raise InputError("must be finite", key=name, got=value)
     return array

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..exceptions import InputError
 from .closed_form import total_cdf, total_pdf
-from .law import Law, require_not_negative
+from .law import Law, require_finite, require_not_negative
 
 __all__ = ["SpatialQuantization", "quantization_half_widths"]
 
@@ -19,8 +20,15 @@ def quantization_half_widths(
     ``pixel_pitch_mm`` is one number for square pixels or ``(..., 2)`` for width and height.
     """
     pitch = require_not_negative("pixel_pitch_mm", pixel_pitch_mm)
+    if pitch.ndim > 0 and pitch.shape[-1] != 2:
+        raise InputError(
+            "must be one number or have width and height in its last axis",
+            key="pixel_pitch_mm",
+            got=f"shape {pitch.shape}",
+            expected="shape () or (..., 2)",
+        )
     width, height = (pitch, pitch) if pitch.ndim == 0 else (pitch[..., 0], pitch[..., 1])
-    angle = np.asarray(angle_rad, dtype=float)
+    angle = require_finite("angle_rad", angle_rad)
     return np.abs(width * np.cos(angle)), np.abs(height * np.sin(angle))
 
 
@@ -37,6 +45,11 @@ class SpatialQuantization(Law):
         Quantization step: one number, or ``(..., 2)`` for width and height, mm (any unit; the error is in it).
     angle_rad
         Direction gamma of the imaged segment from +u, rad.
+
+    Raises
+    ------
+    InputError
+        If a pitch is negative, or a parameter is not finite.
     """
 
     def __init__(self, pixel_pitch_mm: ArrayLike, angle_rad: ArrayLike) -> None:

@@ -27,6 +27,11 @@ class TotalError(Law):
         Quantization step: one number, or ``(..., 2)`` for width and height, mm.
     angle_rad
         Direction gamma of the imaged segment from +u, rad.
+
+    Raises
+    ------
+    InputError
+        If a standard deviation or a pitch is negative, or a parameter is not finite.
     """
 
     def __init__(self, sigma_displacement_mm: ArrayLike, pixel_pitch_mm: ArrayLike, angle_rad: ArrayLike) -> None:
