@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +15,15 @@ __all__ = ["Camera"]
 
 
 def _finite_positive(name: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0):
-        raise InputError(f"{name} must be a finite positive number", key=name, got=value)
+    if not (isinstance(value, Real) and math.isfinite(value) and value > 0):
+        raise InputError("must be a finite positive number", key=name, got=value)
+
+
+def _two_numbers(name: str, value: object) -> tuple[float, float]:
+    pair = np.asarray(value)
+    if pair.shape != (2,) or pair.dtype.kind not in "iuf" or not np.isfinite(pair).all():
+        raise InputError("must be two finite numbers, along u and v", key=name, got=value)
+    return float(pair[0]), float(pair[1])
 
 
 @dataclass(frozen=True)
@@ -53,13 +62,15 @@ class Camera:
 
     def __post_init__(self) -> None:
         _finite_positive("focal_length_mm", self.focal_length_mm)
-        for pitch in self.pixel_pitch_mm:
+        for pitch in _two_numbers("pixel_pitch_mm", self.pixel_pitch_mm):
             _finite_positive("pixel_pitch_mm", pitch)
-        for count in self.resolution:
-            if int(count) != count or count < 1:
-                raise InputError("resolution must be two positive whole numbers", got=self.resolution)
-        if not (np.isfinite(self.edge_resolution_px) and self.edge_resolution_px >= 0):
-            raise InputError("edge_resolution_px must be finite and not negative", got=self.edge_resolution_px)
+        for count in _two_numbers("resolution", self.resolution):
+            if count != int(count) or count < 1:
+                raise InputError("must be two positive whole numbers", key="resolution", got=self.resolution)
+        if not (math.isfinite(self.edge_resolution_px) and self.edge_resolution_px >= 0):
+            raise InputError("must be finite and not negative", key="edge_resolution_px", got=self.edge_resolution_px)
+        if self.principal_point_px is not None:
+            _two_numbers("principal_point_px", self.principal_point_px)
         _finite_positive("blur_limit_px", self.blur_limit_px)
         if (self.f_number is None) != (self.focus_distance_mm is None):
             raise InputError(

@@ -15,7 +15,7 @@ __all__ = ["PoseError"]
 _RELATIVE_PSD_TOLERANCE = 1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays do not compare to one truth value
 class PoseError:
     """A normally distributed small error of the head's pose (paper, eq. 6 and 9).
 
@@ -48,6 +48,8 @@ class PoseError:
             if tuple(self.pivot_mm) != (0.0, 0.0, 0.0):
                 raise InputError("give pivot_mm or T_camera_head, not both")
             pose = require_poses(self.T_camera_head, "T_camera_head")
+            if pose.shape != (4, 4):
+                raise InputError("T_camera_head must be one 4x4 matrix", got=f"shape {pose.shape}")
         else:
             pivot = np.asarray(self.pivot_mm, dtype=float)
             if pivot.shape != (3,) or not np.isfinite(pivot).all():

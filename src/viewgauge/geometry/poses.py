@@ -30,7 +30,10 @@ def skew(vector: ArrayLike) -> NDArray[np.float64]:
 
 def require_poses(poses: ArrayLike, name: str = "pose") -> NDArray[np.float64]:
     """Poses ``(..., 4, 4)`` as float64; raises InputError unless each is finite and rigid."""
-    T = np.array(poses, dtype=float)
+    try:
+        T = np.array(poses, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must be 4x4 matrices of numbers") from error
     if T.shape[-2:] != (4, 4) or not np.isfinite(T).all():
         raise InputError(f"{name} must be finite 4x4 matrices", got=f"shape {T.shape}")
     R = T[..., :3, :3]
@@ -65,9 +68,10 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
     Raises
     ------
     InputError
-        If a quaternion's norm differs from 1 by more than 1e-4.
+        If a quaternion's norm differs from 1 by more than 1e-4, or a position is not finite.
     """
-    q = np.asarray(quaternion_wxyz, dtype=float)
+    q = _require_vectors("quaternion_wxyz", quaternion_wxyz, 4)
+    position = _require_vectors("position_mm", position_mm, 3)
     norm = np.linalg.norm(q, axis=-1)
     if not (np.abs(norm - 1) <= QUATERNION_NORM_TOLERANCE).all():
         raise InputError(
@@ -78,7 +82,7 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
     R = Rotation.from_quat(np.roll(q.reshape(-1, 4), -1, axis=1)).as_matrix()
     T = np.zeros((*q.shape[:-1], 4, 4))
     T[..., :3, :3] = R.reshape(*q.shape[:-1], 3, 3)
-    T[..., :3, 3] = position_mm
+    T[..., :3, 3] = position
     T[..., 3, 3] = 1.0
     return T
 
@@ -89,15 +93,32 @@ def quaternion_from_pose(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4))
 
 
+def _require_vectors(name: str, vectors: ArrayLike, length: int) -> NDArray[np.float64]:
+    array = np.asarray(vectors, dtype=float)
+    if array.shape[-1:] != (length,):
+        raise InputError(f"must have {length} numbers in its last axis", key=name, got=f"shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError("must be finite", key=name, got=vectors)
+    return array
+
+
 def look_at(eye_mm: ArrayLike, target_mm: ArrayLike, roll_rad: ArrayLike = 0.0) -> NDArray[np.float64]:
     """Pose ``T_part_camera`` ``(..., 4, 4)`` of a camera at ``eye`` whose optical axis meets ``target``.
 
     At roll 0 the image's x axis is as level as can be (perpendicular to the part's z axis, or to its x axis
     when looking along z); ``roll_rad`` turns the camera about its optical axis.
+
+    Raises
+    ------
+    InputError
+        If an eye coincides with its target, or a coordinate is not finite.
     """
-    eye, target = np.asarray(eye_mm, dtype=float), np.asarray(target_mm, dtype=float)
+    eye, target = _require_vectors("eye_mm", eye_mm, 3), _require_vectors("target_mm", target_mm, 3)
     forward = target - eye
-    forward = forward / np.linalg.norm(forward, axis=-1, keepdims=True)
+    distance = np.linalg.norm(forward, axis=-1, keepdims=True)
+    if (distance == 0).any():
+        raise InputError("the eye coincides with the target: there is no direction to look in", key="eye_mm")
+    forward = forward / distance
     up = np.where(np.abs(forward[..., 2:3]) < 1 - 1e-9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
     right = np.cross(forward, up)
     right = right / np.linalg.norm(right, axis=-1, keepdims=True)
