@@ -93,10 +93,18 @@ def success_probability(
         ``(..., 3)`` mm, camera frame.
     relative_tolerance
         T, broadcast against the segments.
+
+    Raises
+    ------
+    InputError
+        If a point is not finite, or T is negative or not finite.
     """
     tolerance = np.asarray(relative_tolerance, dtype=float)
-    if not (tolerance >= 0).all():
-        raise InputError("relative_tolerance must not be negative or NaN", key="relative_tolerance")
+    if not (np.isfinite(tolerance) & (tolerance >= 0)).all():
+        raise InputError("must be finite and not negative", key="relative_tolerance", got=relative_tolerance)
+    for name, point in (("start", start), ("end", end)):
+        if not np.isfinite(point).all():
+            raise InputError("must be finite points, mm, camera frame", key=name, got=point)
     image = image_segment(start, end, camera, error, method)
     imaged = ~np.isnan(image.length_mm)
     safe = SegmentImage(
