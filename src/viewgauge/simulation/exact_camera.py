@@ -38,8 +38,11 @@ class Estimate:
 
 def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
-    values, vectors = np.linalg.eigh(error.covariance)
-    twist = rng.standard_normal((draws, 6)) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
+    deviations = np.sqrt(error.covariance.diagonal())
+    scale = np.where(deviations > 0, deviations, 1.0)
+    values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
+    twist = rng.standard_normal((draws, 6)) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * deviations
     displacement = np.zeros((draws, 4, 4))
     displacement[:, :3, :3] = Rotation.from_euler("XYZ", twist[:, 3:]).as_matrix()
     displacement[:, :3, 3] = twist[:, :3]
@@ -91,6 +94,12 @@ def estimate_success_probability(
     rng: np.random.Generator | int | None = None,
 ) -> Estimate:
     """Pr{|measured - nominal| <= T L} of one segment, by drawing (start, end: ``(3,)`` mm, camera frame)."""
+    if not (np.isfinite(relative_tolerance) and relative_tolerance >= 0):
+        raise InputError("must be finite and not negative", key="relative_tolerance", got=relative_tolerance)
+    if draws < 1:
+        raise InputError("must be at least 1", key="draws", got=draws)
+    if not 0 < confidence < 1:
+        raise InputError("must lie between 0 and 1", key="confidence", got=confidence)
     generator = np.random.default_rng(rng)
     ends = np.stack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)])
     allowed = relative_tolerance * np.linalg.norm(np.diff(camera.project(ends), axis=0))
