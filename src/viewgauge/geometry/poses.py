@@ -70,8 +70,8 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
     InputError
         If a quaternion's norm differs from 1 by more than 1e-4, or a position is not finite.
     """
-    q = _require_vectors("quaternion_wxyz", quaternion_wxyz, 4)
-    position = _require_vectors("position_mm", position_mm, 3)
+    q = _vectors("quaternion_wxyz", quaternion_wxyz, 4)
+    position = _points("position_mm", position_mm)
     norm = np.linalg.norm(q, axis=-1)
     if not (np.abs(norm - 1) <= QUATERNION_NORM_TOLERANCE).all():
         raise InputError(
@@ -93,12 +93,17 @@ def quaternion_from_pose(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4))
 
 
-def _require_vectors(name: str, vectors: ArrayLike, length: int) -> NDArray[np.float64]:
+def _vectors(name: str, vectors: ArrayLike, length: int) -> NDArray[np.float64]:
     array = np.asarray(vectors, dtype=float)
     if array.shape[-1:] != (length,):
         raise InputError(f"must have {length} numbers in its last axis", key=name, got=f"shape {array.shape}")
+    return array
+
+
+def _points(name: str, points: ArrayLike) -> NDArray[np.float64]:
+    array = _vectors(name, points, 3)
     if not np.isfinite(array).all():
-        raise InputError("must be finite", key=name, got=vectors)
+        raise InputError("must be finite", key=name, got=points)
     return array
 
 
@@ -113,7 +118,7 @@ def look_at(eye_mm: ArrayLike, target_mm: ArrayLike, roll_rad: ArrayLike = 0.0) 
     InputError
         If an eye coincides with its target, or a coordinate is not finite.
     """
-    eye, target = _require_vectors("eye_mm", eye_mm, 3), _require_vectors("target_mm", target_mm, 3)
+    eye, target = _points("eye_mm", eye_mm), _points("target_mm", target_mm)
     forward = target - eye
     distance = np.linalg.norm(forward, axis=-1, keepdims=True)
     if (distance == 0).any():
