@@ -148,9 +148,8 @@ def test_unreadable_file(step_file):
 @posix
 @pytest.mark.parametrize("name", ["SIGSEGV", "SIGABRT"])
 def test_a_crash_is_named(step_file, name):
-    error = refused(
-        step_file, f"import os, signal; print('last words', flush=True); os.kill(os.getpid(), signal.{name})"
-    )
+    words = "print('\\x1b[31mlast words\\x1b[0m\\n\\x1b[0m', flush=True)"
+    error = refused(step_file, f"import os, signal; {words}; os.kill(os.getpid(), signal.{name})")
     assert name in error.problem
     assert error.got == "last words"
     assert error.hint

@@ -314,7 +314,7 @@ class _Topology:
             kinds.append(("edge", self.edge_shapes))
         for kind, shapes in kinds:
             for index, shape in enumerate(shapes):
-                entity = transfer.EntityFromShapeResult(shape.Located(TopLoc_Location()), -1)
+                entity = transfer.EntityFromShapeResult(shape, -1)
                 number = number_of.get(id(entity))
                 if number is not None:
                     found[number].append(Reference(kind, index))

@@ -7,6 +7,7 @@ import importlib.util
 import json
 import mmap
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -29,6 +30,7 @@ _CHILD = (sys.executable, "-P", "-m", "viewgauge.io.step_child")
 _START, _END = b"ISO-10303-21", b"END-ISO-10303-21"
 _INSTALL = 'pip install "viewgauge[step]"'
 _MESSAGE_BYTES = 4096
+_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 # Threads and their arenas reserve address space by the core, and the limit is one of address space.
 _FRUGAL = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "2"}
 
@@ -141,7 +143,7 @@ def _run(command: Sequence[str], path: Path, options: Options, timeout_s: float)
         finally:
             _kill(child)
         output.seek(max(0, output.seek(0, os.SEEK_END) - _MESSAGE_BYTES))
-        messages = output.read().decode("utf-8", "replace").strip()
+        messages = _COLOUR.sub("", output.read().decode("utf-8", "replace")).strip()
         if code is None:
             return _Outcome(messages=messages)
         if code == 0:
