@@ -136,7 +136,8 @@ def _evaluate_gauges(
     points = observation.points_camera[setting, gauge]
     image = image_segment(points[:, 0], points[:, 1], camera, error, method)
     law = image.total_error(camera)
-    per_mm = observation.length_px[setting, gauge] / image.length_mm  # px per mm along the segment's direction
+    direction = np.stack([np.cos(image.angle_rad), np.sin(image.angle_rad)], axis=-1)
+    per_mm = np.linalg.norm(direction / np.asarray(camera.pixel_pitch_mm), axis=-1)  # px per mm along the segment
 
     def spread(values: NDArray[np.float64], elsewhere: float) -> NDArray[np.float64]:
         full = np.full(observation.reason.shape, elsewhere)
@@ -155,8 +156,10 @@ def _evaluate_gauges(
 
 
 def _expected_accuracy(image: SegmentImage, mean_absolute_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1 - E|error| / L (eq. 20), not below 0."""
-    return np.maximum(1 - mean_absolute_mm / image.length_mm, 0.0)
+    """1 - E|error| / L (eq. 20), not below 0; 0 for a segment seen end-on, which has no length to be measured."""
+    length = image.length_mm
+    relative = np.divide(mean_absolute_mm, length, out=np.ones_like(length), where=length > 0)
+    return np.asarray(np.maximum(1 - relative, 0.0))
 
 
 def _angles(points_camera: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
@@ -177,7 +180,7 @@ def _best_gauges(values: _Chunk, gauges: GaugeTable, tolerance: NDArray[np.float
     )
     count = len(gauges.first)
     best = np.zeros((len(rank), count), dtype=np.int64)
-    ends = np.append(gauges.first[1:], len(gauges))
+    ends = np.append(gauges.first, len(gauges))[1:]
     for dimension, (first, end) in enumerate(zip(gauges.first, ends, strict=True)):
         best[:, dimension] = first + np.argmax(rank[:, first:end], axis=1)
 

@@ -1,0 +1,234 @@
+"""The table setting x dimension: its contract, the best gauge, and values worked out by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from viewgauge.evaluation import COLUMNS, Requirement, evaluate_settings
+from viewgauge.evaluation import table as table_module
+from viewgauge.geometry import Camera, PoseError, look_at
+from viewgauge.part import Dimension, Gauge, Mesh
+from viewgauge.visibility import REASONS, ObservationLimits
+
+CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)
+HEAD = PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4)
+SURE = Requirement("accuracy", 0.999, 0.9)
+UP = [[0.0, 0.0, 1.0]]
+
+
+def block(*boxes) -> Mesh:
+    """One mesh of several boxes, each given by its lowest and highest corner."""
+    import trimesh
+
+    made = trimesh.util.concatenate([trimesh.creation.box(bounds=box) for box in boxes])
+    return Mesh(np.array(made.vertices), np.array(made.faces, dtype=np.int64))
+
+
+STEPPED = block([[0, 0, 0], [100, 60, 20]], [[0, 0, 0], [60, 60, 40]])
+
+
+def gauge(start, end, normals=UP) -> Gauge:
+    return Gauge(*(np.array(a, dtype=float) for a in (start, end, normals, normals)))
+
+
+def dimension(name, *gauges, nominal=None, tolerance=(-0.1, 0.1), observed="ends") -> Dimension:
+    nominal = gauges[0].length_mm if nominal is None else nominal
+    return Dimension(name, "length", nominal, tolerance, gauges, observed)
+
+
+FRONT, BACK, SIDE = [[0, 0, 1.0], [0, -1, 0]], [[0, 0, 1.0], [0, 1, 0]], [[0, 0, 1.0], [1, 0, 0]]
+DIMENSIONS = (
+    dimension("upper", gauge([0, 0, 40], [60, 0, 40], FRONT), gauge([0, 60, 40], [60, 60, 40], BACK)),
+    dimension("foot", gauge([60, 10, 20], [60, 50, 20], SIDE)),
+    dimension(
+        "depth",
+        gauge([100, 0, 20], [100, 60, 20], SIDE),
+        gauge([60, 0, 40], [60, 60, 40], SIDE),
+        gauge([100, 0, 0], [100, 60, 0], [[1.0, 0, 0], [0, 0, -1]]),
+    ),
+)
+
+
+def around(count, seed=5):
+    """Camera poses all around the block, some of them looking past it."""
+    rng = np.random.default_rng(seed)
+    direction = rng.normal(size=(count, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    eyes = [50, 30, 20] + rng.uniform(200, 400, (count, 1)) * direction
+    return look_at(eyes, np.array([50, 30, 20]) + rng.normal(0, 25, (count, 3)), rng.uniform(0, 3, count))
+
+
+def table_of(poses, dimensions=DIMENSIONS, camera=CAMERA, head=HEAD, requirement=SURE, mesh=STEPPED, **options):
+    names = [f"C{k}" for k in range(len(poses))]
+    return evaluate_settings(poses, names, dimensions, mesh, camera, head, requirement, **options)
+
+
+def above(x, y, height, *, turned=False):
+    """A camera at a height that looks straight down; its image's u is part x, or part y where turned."""
+    right, down = ([0, 1, 0], [1, 0, 0]) if turned else ([1, 0, 0], [0, -1, 0])
+    pose = np.eye(4)
+    pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, down, [0, 0, -1], [x, y, height]
+    return pose[None]
+
+
+@pytest.fixture(scope="module")
+def table() -> xr.Dataset:
+    return table_of(around(400))
+
+
+def test_the_contract(table):
+    contract = (
+        "visible, reason, image_length_px, angle_rad, relative_tolerance, sigma_displacement_px, "
+        "sigma_quantization_px, probability, expected_accuracy, accepted"
+    )
+    assert list(COLUMNS) == contract.split(", ")
+    assert set(table.data_vars) == {*COLUMNS, "gauge"}
+    for name in table.data_vars:
+        assert table[name].dims == ("setting", "dimension")
+    assert table["setting"].values.tolist() == [f"C{k}" for k in range(400)]
+    assert table["dimension"].values.tolist() == ["upper", "foot", "depth"]
+    np.testing.assert_array_equal(table["nominal_mm"], [60, 40, 60])
+    np.testing.assert_allclose(table["allowed_error_mm"], [0.06, 0.04, 0.06])
+    assert table["visible"].dtype == table["accepted"].dtype == bool
+    assert table.attrs == {"method": "joint", "required_probability": 0.9}
+
+
+def test_reasons_and_what_follows_from_them(table):
+    visible, probability = table["visible"].values, table["probability"].values
+    assert set(np.unique(table["reason"].values.astype(str))) <= set(REASONS)
+    assert {"out_of_view", "facing_away", "occluded", ""} <= set(table["reason"].values.ravel())
+    np.testing.assert_array_equal(visible, table["reason"].values == "")
+    assert 0.05 < visible.mean() < 0.95
+    for name in ("probability", "expected_accuracy"):
+        assert (table[name].values[~visible] == 0).all(), "0 and not NaN"
+        assert ((table[name].values >= 0) & (table[name].values <= 1)).all()
+    np.testing.assert_array_equal(table["accepted"].values, visible & (probability >= 0.9))
+    assert 0 < table["accepted"].values.sum() < visible.sum()
+    for name in ("sigma_displacement_px", "sigma_quantization_px", "image_length_px", "angle_rad"):
+        assert (table[name].values[visible] > (-4 if name == "angle_rad" else 0)).all()
+    assert np.isfinite(table["relative_tolerance"].values).all()
+
+
+def test_accepted_includes_the_required_probability_itself(table):
+    reached = float(table["probability"].max())
+    for required, count in ((reached, 1), (np.nextafter(reached, 1), 0)):
+        again = table_of(around(400), requirement=Requirement("accuracy", 0.999, required))
+        assert again["accepted"].values.sum() == count
+
+
+def test_a_required_probability_accepts_nothing_that_is_not_visible():
+    assert not table_of(around(50), requirement=Requirement("accuracy", 0.999, 1e-300))["accepted"].values.all()
+
+
+def test_the_best_gauge_is_the_one_a_search_by_hand_finds(table):
+    for d in DIMENSIONS:
+        alone = [table_of(around(400), [dimension(d.id, g)]).isel(dimension=0) for g in d.gauges]
+        ours = table.sel(dimension=d.id)
+        rank = [{name: k for k, name in enumerate(REASONS)}[r] for a in alone for r in a["reason"].values]
+        rank = np.array(rank).reshape(len(alone), -1)
+        probability = np.stack([a["probability"].values for a in alone])
+        for k in range(400):
+            chosen = int(ours["gauge"].values[k])
+            if (rank[:, k] == len(REASONS) - 1).any():
+                assert ours["visible"].values[k]
+                assert ours["probability"].values[k] == probability[:, k].max() == probability[chosen, k]
+            else:
+                assert not ours["visible"].values[k]
+                assert rank[chosen, k] == rank[:, k].max(), "the one that got farthest tells why"
+            for name in COLUMNS:
+                a, b = ours[name].values[k], alone[chosen][name].values[k]
+                assert a == b or (a != a and b != b), name
+
+
+def test_chunks_do_not_change_a_bit(table, monkeypatch):
+    for pairs in (1, 7, 100):
+        monkeypatch.setattr(table_module, "_PAIRS_PER_CHUNK", pairs)
+        xr.testing.assert_identical(table_of(around(400)), table)
+
+
+def test_progress_counts_every_setting():
+    done = []
+    table_of(around(30), progress=done.append)
+    assert sum(done) == 30
+
+
+def test_no_setting_and_no_dimension():
+    assert dict(table_of(around(0)).sizes) == {"setting": 0, "dimension": 3}
+    assert dict(table_of(around(3), ()).sizes) == {"setting": 3, "dimension": 0}
+
+
+@pytest.mark.parametrize(
+    ("requirement", "expected"),
+    [
+        (Requirement("accuracy", 0.998, 0.9), 0.002 * 10.0 / 9.0),
+        (Requirement("error", 0.05, 0.9), 0.05 / 9.0),
+        (Requirement("fraction_of_tolerance", 0.1, 0.9), 0.1 * (0.02 + 0.10) / 2 / 9.0),
+    ],
+)
+def test_relative_tolerance_refers_to_the_gauge_that_is_imaged(requirement, expected):
+    # a dimension of 10 mm that is measured by a chord of 9 mm: the error allowed in mm is that of the dimension
+    chord = dimension("chord", gauge([10, 10, 40], [19, 10, 40]), nominal=10.0, tolerance=(-0.02, 0.10))
+    row = table_of(above(15, 10, 340), [chord], requirement=requirement).isel(setting=0, dimension=0)
+    assert float(row["relative_tolerance"]) == pytest.approx(expected, rel=1e-12)
+    assert bool(row["visible"])
+
+
+def test_a_fraction_of_no_tolerance_is_refused():
+    basic = dimension("basic", gauge([10, 10, 40], [19, 10, 40]), tolerance=None)
+    with pytest.raises(ValueError, match="basic has no tolerance"):
+        table_of(above(15, 10, 340), [basic], requirement=Requirement("fraction_of_tolerance", 0.1, 0.9))
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_pixel_columns_by_hand_also_where_pixels_are_not_square(turned):
+    # 30 mm along part x, 300 mm below a lens of 15 mm: 1.5 mm in the image, along u, or along v where turned;
+    # the head errs along the optical axis only, by 0.3 mm: one part in a thousand of the distance
+    pitch_u, pitch_v = 0.003, 0.006
+    camera = Camera(15.0, (pitch_u, pitch_v), (2000, 2000), edge_resolution_px=0.5)
+    head = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
+    line = dimension("line", gauge([10, 30, 40], [40, 30, 40]))
+    row = table_of(above(25, 30, 340, turned=turned), [line], camera, head).isel(setting=0, dimension=0)
+    length = 1.5 / (pitch_v if turned else pitch_u)
+    assert float(row["image_length_px"]) == pytest.approx(length, rel=1e-12)
+    assert np.cos(float(row["angle_rad"])) == pytest.approx(0.0 if turned else 1.0, abs=1e-12)
+    assert float(row["sigma_displacement_px"]) == pytest.approx(length / 1000, rel=1e-9)
+    # two uniform errors of half a px each, subtracted: a triangle of standard deviation 0.5 / sqrt(6) px
+    assert float(row["sigma_quantization_px"]) == pytest.approx(0.5 / np.sqrt(6), rel=1e-9)
+
+
+def test_expected_accuracy_is_one_less_the_mean_relative_error():
+    # no pixels, and a normal error of one part in a thousand: its mean absolute value is sqrt(2/pi) of that
+    camera = Camera(15.0, (0.003, 0.003), (2000, 2000), edge_resolution_px=0.0)
+    head = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
+    line = dimension("line", gauge([10, 30, 40], [40, 30, 40]))
+    row = table_of(above(25, 30, 340), [line], camera, head).isel(setting=0, dimension=0)
+    assert float(row["expected_accuracy"]) == pytest.approx(1 - 1e-3 * np.sqrt(2 / np.pi), rel=1e-9)
+    assert float(row["sigma_quantization_px"]) == 0.0
+    # allowed is one part in a thousand: one standard deviation
+    assert float(row["probability"]) == pytest.approx(0.682689492137086, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "eye"),
+    [
+        ([60, 30, 40], [100, 30, 20], [-140, 30, 140]),  # from one step's edge to the next: equal but for rounding
+        ([60, 30, 40], [60, 30, 20], [60, 30, 340]),  # down the step's wall: exactly equal
+    ],
+)
+def test_a_gauge_seen_end_on_has_no_length_and_is_never_right(start, end, eye):
+    line = dimension("line", gauge(start, end, SIDE))
+    pose = look_at(np.array(eye, dtype=float), start)[None]
+    row = table_of(pose, [line], limits=ObservationLimits(minimum_length_px=0.0)).isel(setting=0, dimension=0)
+    assert bool(row["visible"])
+    assert float(row["image_length_px"]) == pytest.approx(0.0, abs=1e-9)
+    assert float(row["probability"]) == pytest.approx(0.0, abs=1e-6)
+    assert float(row["expected_accuracy"]) == 0.0
+    assert np.isfinite(float(row["sigma_displacement_px"]))
+    assert np.isfinite(float(row["sigma_quantization_px"]))
+
+
+def test_a_method_that_is_not_known_is_refused():
+    with pytest.raises(ValueError, match="joint or independent"):
+        table_of(above(25, 30, 340), method="exact")
