@@ -11,12 +11,10 @@ from hypothesis import assume, given, settings
 from scipy import stats
 from scipy.integrate import quad
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
-
-from strategies import angles, probabilities, scales
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import viewgauge as vg
+from strategies import angles, probabilities, scales
 from viewgauge.errors import SpatialQuantization, TotalError
 
 LAWS = {

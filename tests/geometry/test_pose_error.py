@@ -1,0 +1,167 @@
+"""The pose error: which covariances are taken, and how it acts at the camera."""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import viewgauge as vg
+from strategies import points_in_front, pose_covariances, rigid_poses
+
+FULL = np.diag([0.1, 0.2, 0.3, 1e-3, 2e-3, 3e-3]) ** 2
+
+
+def displaced(point_camera, T_camera_head, d, angles):
+    """A camera-frame point after the head frame's coordinates moved by q' = q + angles x q + d."""
+    q = np.linalg.solve(T_camera_head, [*point_camera, 1])[:3]
+    q = (
+        q
+        + np.array(
+            [
+                angles[1] * q[2] - angles[2] * q[1],
+                angles[2] * q[0] - angles[0] * q[2],
+                angles[0] * q[1] - angles[1] * q[0],
+            ]
+        )
+        + d
+    )
+    return (T_camera_head @ [*q, 1])[:3]
+
+
+def displacement_covariance_by_force(covariance, T_camera_head, point):
+    """3x3 covariance of a point's displacement, by displacing it with each of the six errors in turn."""
+    steps = np.eye(6)
+    columns = np.array([displaced(point, T_camera_head, e[:3], e[3:]) - point for e in steps]).T
+    return columns @ covariance @ columns.T
+
+
+def displacement_covariance_at_camera(error, point):
+    """The same from ``camera_covariance``: an error that acts at the centre of projection."""
+    columns = np.array([displaced(point, np.eye(4), e[:3], e[3:]) - point for e in np.eye(6)]).T
+    return columns @ error.camera_covariance @ columns.T
+
+
+@settings(deadline=None)
+@given(pose_covariances(), rigid_poses(), points_in_front())
+def test_the_error_moves_points_alike_told_in_the_head_or_in_the_camera_frame(covariance, T_camera_head, point):
+    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
+    expected = displacement_covariance_by_force(covariance, T_camera_head, point)
+    actual = displacement_covariance_at_camera(error, point)
+    # rounding grows with the lever arms squared
+    scale = covariance.max() * (1 + np.linalg.norm(point) + np.linalg.norm(T_camera_head[:3, 3])) ** 2
+    np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12 * scale)
+
+
+@settings(deadline=None)
+@given(pose_covariances(), rigid_poses())
+def test_the_covariance_at_the_camera_is_symmetric_and_positive_semidefinite(covariance, T_camera_head):
+    at_camera = vg.PoseError(covariance, T_camera_head=T_camera_head).camera_covariance
+    size = np.abs(at_camera).max()
+    np.testing.assert_allclose(at_camera, at_camera.T, atol=1e-14 * size)
+    assert np.linalg.eigvalsh(at_camera)[0] >= -1e-12 * size
+
+
+def test_a_pivot_is_a_head_frame_without_rotation():
+    T = np.eye(4)
+    T[:3, 3] = [5.0, -3.0, -16.0]
+    by_pivot = vg.PoseError(FULL, pivot_mm=(5.0, -3.0, -16.0))
+    np.testing.assert_array_equal(by_pivot.camera_covariance, vg.PoseError(FULL, T_camera_head=T).camera_covariance)
+    np.testing.assert_array_equal(by_pivot.T_camera_head, T)
+
+
+def test_without_a_pivot_the_error_acts_at_the_centre_of_projection():
+    np.testing.assert_array_equal(vg.PoseError(FULL).camera_covariance, FULL)
+
+
+def test_turning_about_a_pivot_moves_the_camera_by_the_lever_arm():
+    # rotation about the head's y axis, head 100 mm behind the camera: x moves by 100 mm times the angle
+    error = vg.PoseError.from_standard_deviations(0.0, [0.0, 1e-3, 0.0], pivot_mm=(0.0, 0.0, -100.0))
+    assert error.camera_covariance[0, 0] == pytest.approx((100 * 1e-3) ** 2)
+    assert error.camera_covariance[0, 4] == pytest.approx(100 * 1e-6), "with the sign of the turn"
+
+
+def test_standard_deviations_come_one_or_three_at_a_time():
+    error = vg.PoseError.from_standard_deviations(0.1, [1e-3, 2e-3, 0])
+    np.testing.assert_allclose(error.covariance, np.diag([0.01, 0.01, 0.01, 1e-6, 4e-6, 0]), rtol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["translation_mm", "rotation_rad"])
+@pytest.mark.parametrize("bad", [-0.1, math.nan, math.inf, [0.1, 0.1], [0.1, -0.1, 0.1], np.ones((3, 1))])
+def test_bad_standard_deviations_are_refused(name, bad):
+    with pytest.raises(vg.InputError, match=name):
+        vg.PoseError.from_standard_deviations(**{"translation_mm": 0.1, "rotation_rad": 1e-3, name: bad})
+
+
+def changed(*entries):
+    matrix = FULL.copy()
+    for row, column, value in entries:
+        matrix[row, column] = value
+    return matrix
+
+
+@pytest.mark.parametrize(
+    ("covariance", "telling"),
+    [
+        (np.eye(3), "6x6"),
+        (np.eye(7), "6x6"),
+        (np.ones(6), "6x6"),
+        (1.0, "6x6"),
+        ("identity", "6x6"),
+        ([[1, 2], [3]], "6x6"),
+        (changed((2, 2, math.nan)), "finite"),
+        (changed((0, 1, math.inf), (1, 0, math.inf)), "finite"),
+        (changed((0, 0, -0.01)), "negative variance"),
+        (changed((0, 1, 0.01)), "not symmetric"),
+        (changed((3, 4, 1e-6)), "not symmetric"),  # small in mm, but not for angles
+        (changed((0, 1, 0.021), (1, 0, 0.021)), "not positive semidefinite"),  # correlation 1.05
+        (changed((3, 4, 2.1e-6), (4, 3, 2.1e-6)), "not positive semidefinite"),
+        (changed((0, 3, -1.05e-4), (3, 0, -1.05e-4)), "not positive semidefinite"),
+        (changed((5, 5, 0.0), (0, 5, 1e-6), (5, 0, 1e-6)), "not positive semidefinite"),
+    ],
+)
+def test_what_is_not_a_covariance_is_refused(covariance, telling):
+    with pytest.raises(vg.InputError, match=telling):
+        vg.PoseError(covariance)
+
+
+@pytest.mark.parametrize("correlation", [1.0, -1.0, 0.99])
+def test_perfectly_correlated_errors_are_taken(correlation):
+    value = correlation * 0.1 * 1e-3
+    matrix = changed((0, 3, value), (3, 0, value))
+    np.testing.assert_array_equal(vg.PoseError(matrix).covariance, matrix)
+
+
+def test_a_rounded_covariance_of_low_rank_is_taken():
+    factor = np.random.default_rng(3).standard_normal((6, 2)) * np.sqrt(FULL.diagonal())[:, None]  # of rank two
+    rounded = np.array([[float(f"{value:.10g}") for value in row] for row in factor @ factor.T])
+    np.testing.assert_allclose(vg.PoseError(rounded).covariance, rounded)
+
+
+def test_the_covariance_is_a_copy_that_cannot_be_changed():
+    mine = FULL.copy()
+    error = vg.PoseError(mine)
+    mine[0, 0] = 99.0
+    np.testing.assert_array_equal(error.covariance, FULL)
+    with pytest.raises(ValueError, match="read-only"):
+        error.covariance[0, 0] = 99.0
+
+
+@pytest.mark.parametrize(
+    ("frame", "telling"),
+    [
+        ({"pivot_mm": (0, 0)}, "pivot_mm"),
+        ({"pivot_mm": (0, 0, math.nan)}, "pivot_mm"),
+        ({"T_camera_head": np.eye(3)}, "T_camera_head"),
+        ({"T_camera_head": np.diag([1.0, 1, -1, 1])}, "not a rotation"),
+        ({"T_camera_head": np.stack([np.eye(4), np.eye(4)])}, "one 4x4"),
+        ({"pivot_mm": (0, 0, -16), "T_camera_head": np.eye(4)}, "not both"),
+    ],
+)
+def test_a_head_frame_that_is_none_is_refused(frame, telling):
+    with pytest.raises(vg.InputError, match=telling):
+        vg.PoseError(FULL, **frame)
