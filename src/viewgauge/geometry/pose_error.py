@@ -105,7 +105,9 @@ def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
         raise InputError("the covariance has a negative variance", got=matrix.diagonal().tolist())
     # mm and rad differ by orders of magnitude: judge symmetry and eigenvalues on the correlation matrix
     scale = np.sqrt(matrix.diagonal())
-    scale = np.where(scale > 0, scale, 1.0)
+    # an error without variance has no covariance either: what is more than rounding there must stand out
+    nothing = _RELATIVE_PSD_TOLERANCE * scale.max() if scale.any() else 1.0
+    scale = np.where(scale > 0, scale, nothing)
     correlation = matrix / np.outer(scale, scale)
     if np.abs(correlation - correlation.T).max() > _RELATIVE_PSD_TOLERANCE:
         raise InputError("the covariance is not symmetric", expected="equal entries on both sides of the diagonal")
