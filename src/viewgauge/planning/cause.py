@@ -33,7 +33,8 @@ def limiting_cause(column: xr.Dataset) -> str:
         ordered = sorted((name for name in counts if counts[name]), key=lambda name: -counts[name])
         shares = ", ".join(f"{_WORDS[name]} ({counts[name] / len(reasons):.0%})" for name in ordered[:3])
         return f"not visible from any of {len(reasons)} candidates: {shares}"
-    best = column.isel(setting=int(np.argmax(column["probability"].values)))
+    seen = np.where(column["visible"].values, column["probability"].values, -1.0)
+    best = column.isel(setting=int(np.argmax(seen)))
     pose, pixels = float(best["sigma_displacement_px"]) ** 2, float(best["sigma_quantization_px"]) ** 2
     share = pose / (pose + pixels) if pose + pixels > 0 else 0.0
     source = f"pose error ({share:.0%} of the variance)" if share > 0.5 else f"pixels ({1 - share:.0%} of the variance)"

@@ -60,9 +60,10 @@ def choose_settings(
     names = {k: setting_ids[k] if setting_ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)}
     planned = []
     observes: dict[int, list[str]] = {k: [] for k in cover.chosen}
+    visible, accuracy = table["visible"].values, table["expected_accuracy"].values
     for j, dimension in enumerate(dimensions):
         pool = list(cover.chosen) if reachable[j] else range(len(probability))
-        k = max(pool, key=lambda k: (probability[k, j], table["expected_accuracy"].values[k, j]), default=None)
+        k = max(pool, key=lambda k: (visible[k, j], probability[k, j], accuracy[k, j]), default=None)
         if k is not None and reachable[j]:
             observes[k].append(dimension.id)
         planned.append(_planned(table, k, j, dimension, names.get(k) if k is not None and reachable[j] else None))

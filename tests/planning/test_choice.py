@@ -1,0 +1,107 @@
+"""From a table to a plan: who measures what, what is unmet, and what cannot be measured."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from viewgauge.evaluation import Requirement
+from viewgauge.part import Dimension, Gauge, Unusable
+from viewgauge.planning import choose_settings, without_allowed_error
+
+REQUIRED = Requirement("error", 0.05, 0.9)
+
+
+def dimension(name, count=2, tolerance=(-0.1, 0.1)):
+    up = np.array([[0.0, 0, 1]])
+    made = tuple(Gauge(np.array([0.0, k, 0]), np.array([10.0, k, 0]), up, up) for k in range(count))
+    return Dimension(name, "length", 10.0, tolerance, made)
+
+
+def table(probability, gauge=0, hidden=()):
+    probability = np.array(probability, dtype=float)
+    reason = np.full(probability.shape, "", dtype=object)
+    for k, j in hidden:
+        reason[k, j], probability[k, j] = "occluded", 0.0
+    values = {
+        "visible": reason == "",
+        "reason": reason,
+        "probability": probability,
+        "expected_accuracy": probability * 0.999,
+        "gauge": np.broadcast_to(gauge, probability.shape),
+        "sigma_displacement_px": np.full(probability.shape, 0.3),
+        "sigma_quantization_px": np.full(probability.shape, 0.1),
+        "image_length_px": np.full(probability.shape, 500.0),
+    }
+    over = ("setting", "dimension")
+    allowed = {"allowed_error_mm": ("dimension", np.full(probability.shape[1], 0.05))}
+    return xr.Dataset({name: (over, value) for name, value in values.items()}, coords=allowed)
+
+
+def plan_of(values, dimensions, unusable=(), **options):
+    poses = np.tile(np.eye(4), (values.sizes["setting"], 1, 1))
+    poses[:, 0, 3] = np.arange(len(poses))
+    return choose_settings(values, poses, dimensions, unusable, REQUIRED, 3, **options)
+
+
+def test_each_dimension_is_measured_by_the_surest_of_the_chosen():
+    # rows 1 and 3 are the only pair that holds all; both hold the middle dimension
+    values = table([[0.99, 0, 0], [0.95, 0.91, 0], [0, 0.99, 0.2], [0.1, 0.96, 0.93]], gauge=1)
+    plan = plan_of(values, [dimension(name) for name in "abc"])
+    assert [s.id for s in plan.settings] == ["S1", "S2"]
+    assert [s.T_part_camera[0, 3] for s in plan.settings] == [1, 3]
+    assert [s.observes for s in plan.settings] == [("a",), ("b", "c")]
+    assert [(d.status, d.setting, d.probability) for d in plan.dimensions] == [
+        ("met", "S1", 0.95),
+        ("met", "S2", 0.96),
+        ("met", "S2", 0.93),
+    ]
+    assert all(d.limit == "" and d.gauge[0, 1] == 1 for d in plan.dimensions), "the second gauge"
+    assert (plan.count, plan.lower_bound, plan.gap, plan.proven, plan.all_met) == (2, 2, 0.0, True, True)
+    assert plan.candidate_count == 4
+    assert plan.seed == 3
+
+
+def test_an_unmet_dimension_names_the_best_of_all_candidates_and_costs_no_setting():
+    values = table([[0.95, 0.2, 0.0], [0.0, 0.7, 0.0], [0.0, 0.0, 0.0]], hidden=[(0, 2), (1, 2), (2, 2)])
+    plan = plan_of(values, [dimension(name) for name in "abc"], setting_ids=["x", "y", "z"])
+    assert [s.id for s in plan.settings] == ["x"]
+    met, best, unseen = plan.dimensions
+    assert (met.status, met.setting) == ("met", "x")
+    assert (best.status, best.setting, best.probability) == ("unmet", None, 0.7)
+    assert best.gauge is not None
+    assert "pose error (90%" in best.limit
+    assert (unseen.status, unseen.setting, unseen.probability, unseen.gauge) == ("unmet", None, 0.0, None)
+    assert "hidden by the part (100%)" in unseen.limit
+    assert not plan.all_met
+
+
+def test_nothing_met_is_a_plan_of_no_setting():
+    plan = plan_of(table([[0.5]]), [dimension("a")])
+    assert (plan.count, plan.lower_bound, plan.gap, plan.all_met) == (0, 0, 0.0, False)
+
+
+def test_a_probability_that_is_not_seen_counts_for_nothing():
+    values = table([[0.99]])
+    values["visible"][0, 0] = False
+    assert plan_of(values, [dimension("a")]).dimensions[0].status == "unmet"
+
+
+def test_what_cannot_be_measured_stays_in_the_plan_with_its_reason():
+    unusable = [Unusable("q", "angle", "an angle has no gauge")]
+    plan = plan_of(table([[0.99]]), [dimension("a")], unusable)
+    assert [(d.id, d.status, d.limit) for d in plan.dimensions] == [
+        ("a", "met", ""),
+        ("q", "not_measurable", "an angle has no gauge"),
+    ]
+    assert not plan.all_met
+
+
+def test_a_basic_value_is_judged_by_accuracy_and_refused_by_a_fraction_of_its_tolerance():
+    given = [dimension("a"), dimension("b", tolerance=None)]
+    judged, refused = without_allowed_error(given, Requirement("accuracy", 0.99, 0.9))
+    assert ([d.id for d in judged], refused) == (["a", "b"], ())
+    judged, refused = without_allowed_error(given, Requirement("fraction_of_tolerance", 0.1, 0.9))
+    assert [d.id for d in judged] == ["a"]
+    assert [(u.id, u.nominal_mm) for u in refused] == [("b", 10.0)]
+    assert "no tolerance" in refused[0].reason
