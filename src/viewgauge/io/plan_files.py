@@ -64,7 +64,8 @@ def _number(value: float) -> float | None:
 
 def write_plan_files(plan: Plan, requirement: Requirement, inputs: Mapping[str, str], folder: Path) -> None:
     """Write ``settings.csv``, ``assignments.csv`` and, last, ``plan.json`` into an existing folder."""
-    write_settings(folder / "settings.csv", [s.id for s in plan.settings], [s.T_part_camera for s in plan.settings])
+    poses = np.array([s.T_part_camera for s in plan.settings]).reshape(-1, 4, 4)  # also where there is none
+    write_settings(folder / "settings.csv", [s.id for s in plan.settings], poses)
     write_text_atomically(folder / "assignments.csv", _assignments(plan))
     document = json.dumps(plan_document(plan, requirement, inputs), indent=2, ensure_ascii=False, allow_nan=False)
     write_text_atomically(folder / "plan.json", document + "\n")
