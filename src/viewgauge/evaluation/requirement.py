@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from ..exceptions import InputError
 
 __all__ = ["Requirement"]
+
+_Kind = Literal["accuracy", "error", "fraction_of_tolerance"]
 
 
 @dataclass(frozen=True)
@@ -25,11 +27,15 @@ class Requirement:
         Required probability (the paper's Th).
     """
 
-    kind: Literal["accuracy", "error", "fraction_of_tolerance"]
+    kind: _Kind
     value: float
     probability: float
 
     def __post_init__(self) -> None:
+        if self.kind not in get_args(_Kind):
+            raise InputError(
+                "unknown kind of requirement", key="kind", got=self.kind, expected=", ".join(get_args(_Kind))
+            )
         if not (np.isfinite(self.value) and self.value > 0):
             raise InputError(f"the required {self.kind} must be finite and positive", got=self.value)
         if self.kind == "accuracy" and self.value >= 1:
