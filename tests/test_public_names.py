@@ -1,0 +1,71 @@
+"""The names that users rely on, and that importing them is light and silent."""
+
+import subprocess
+import sys
+
+import pytest
+
+import viewgauge as vg
+
+PUBLIC = [
+    "Camera",
+    "CandidateOptions",
+    "InputError",
+    "Inspection",
+    "InspectionFileError",
+    "NoCandidateError",
+    "PartFileError",
+    "Plan",
+    "PoseError",
+    "Requirement",
+    "SettingsFileError",
+    "ViewgaugeError",
+    "check",
+    "errors",
+    "evaluate",
+    "load",
+    "plan",
+    "success_probability",
+    "write_evaluation",
+    "write_plan",
+]
+
+
+def run_python(code):
+    return subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+
+
+def test_the_public_names_are_these():
+    assert sorted(vg.__all__) == PUBLIC
+    assert sorted(vg.errors.__all__) == ["SpatialQuantization", "TotalError"]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_each_name_is_there_and_listed(name):
+    value = getattr(vg, name)
+    assert name in dir(vg)
+    assert getattr(vg, name) is value
+    if name != "errors":
+        assert value.__name__ == name
+        assert value.__doc__
+
+
+def test_the_error_laws_are_there():
+    for name in vg.errors.__all__:
+        assert getattr(vg.errors, name).__doc__
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'plann'"):
+        _ = vg.plann
+
+
+def test_importing_all_names_in_a_fresh_interpreter_is_silent():
+    result = run_python("import viewgauge as vg\nfor name in vg.__all__: getattr(vg, name)")
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+
+
+def test_a_bare_import_loads_nothing_heavy():
+    heavy = ("numpy", "scipy", "numba", "xarray", "trimesh", "pydantic", "pint", "OCP", "plotly")
+    result = run_python(f"import sys, viewgauge; print(sorted(sys.modules.keys() & set({heavy!r})))")
+    assert (result.returncode, result.stdout.strip(), result.stderr) == (0, "[]", "")
