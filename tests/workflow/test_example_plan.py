@@ -89,10 +89,10 @@ def test_no_single_candidate_measures_everything(inspection, plan):
 def test_the_exact_camera_confirms_every_probability(inspection, plan):
     """10^6 draws a dimension: the plan's probability lies in their 99.9 % interval, widened by 2e-4 either way.
 
-    The widening is the joint model's own error (theory section 5: 1.5e-4 over ordinary set-ups). Were the model
-    exact, 15 intervals of 99.9 % would all hold with probability 0.985 without the widening; with it, 2e-4 is more
-    than half a standard error (3.1e-4 at most for p >= 0.95: sqrt(0.95 * 0.05 / 1e6) = 2.2e-4), so each fails with
-    less than 3e-5 and any of them with less than 5e-4. The seed is fixed.
+    The widening is the joint model's own error (theory section 5: 1.5e-4 over ordinary set-ups). False alarms: were
+    the model exact, 15 intervals of 99.9 % would all hold with probability 0.985. The widening adds about one standard
+    error (2.2e-4 at p = 0.95, less above) to the 3.3 of the interval: a dimension then fails with probability 3e-5,
+    any of the 15 with less than 5e-4. The seeds are fixed.
     """
     settings = {s.id: s.T_part_camera for s in plan.settings}
     for number, d in enumerate(plan.dimensions):

@@ -6,12 +6,15 @@
 from __future__ import annotations
 
 import logging
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Parameter, Token
 
 from ..exceptions import ViewgaugeError
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
@@ -19,10 +22,19 @@ from .progress import Bars
 
 __all__ = ["main"]
 
-_DONE, _NOT_MET, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
+_DONE, _NOT_MET, _BAD_INPUT = 0, 1, 2
+_INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
 _Part = Annotated[Path | None, Parameter(name="--part", help="CAD file or mesh, in place of the file's own.")]
 _Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the result as JSON.")]
+
+
+def _whole_number(_: object, tokens: Sequence[Token]) -> int:
+    """An int from its digits only: 1.5 is an error and not 1."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
 
 
 def _version() -> str:
@@ -37,6 +49,7 @@ app = App(
     help_format="plaintext",
     version=_version,
     result_action="return_value",
+    suppress_keyboard_interrupt=False,  # main says what became of the files
 )
 
 
@@ -47,7 +60,7 @@ def _plan(
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     part: _Part = None,
-    seed: int | None = None,
+    seed: Annotated[int | None, Parameter(converter=_whole_number)] = None,
     json: _Json = False,
 ) -> int:
     """Choose the fewest settings that measure every dimension as required.
@@ -63,13 +76,13 @@ def _plan(
     """
     from .. import workflow
 
-    workflow.make_folder(output)
     bars = Bars()
-    with bars.stage("Reading the inspection and its part"):
-        inspection = workflow.load(file, part=part)
-    plan = workflow.plan(inspection, seed=seed, progress=bars)
-    with bars.stage("Writing the report"):
-        workflow.write_plan(plan, inspection, output)
+    with workflow.output_folder(output):
+        with bars.stage("Reading the inspection and its part"):
+            inspection = workflow.load(file, part=part)
+        plan = workflow.plan(inspection, seed=seed, progress=bars)
+        with bars.stage("Writing the report"):
+            workflow.write_plan(plan, inspection, output)
     document = workflow.describe_plan(plan, inspection)
     if json:
         print_json(document)
@@ -86,7 +99,7 @@ def _evaluate(
     settings: Path | None = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     method: Literal["joint", "independent", "monte-carlo"] = "joint",
-    draws: int = 100_000,
+    draws: Annotated[int, Parameter(converter=_whole_number)] = 100_000,
     part: _Part = None,
     json: _Json = False,
 ) -> int:
@@ -111,21 +124,21 @@ def _evaluate(
     if output is not None:
         workflow.require_table_suffix(output)
     bars = Bars()
-    with bars.stage("Reading the inspection and its part"):
-        inspection = workflow.load(file, part=part)
-    table = workflow.evaluate(inspection, settings, method=method, draws=draws, progress=bars)
-    if output is not None:
-        workflow.write_evaluation(table, output)
+    with workflow.output_folder(output.parent) if output is not None else nullcontext():
+        with bars.stage("Reading the inspection and its part"):
+            inspection = workflow.load(file, part=part)
+        table = workflow.evaluate(inspection, settings, method=method, draws=draws, progress=bars)
+        if output is not None:
+            workflow.write_evaluation(table, output)
     best = workflow.best_of_each(table)
+    refused = workflow.check(inspection)["not_measurable"]
     if json:
-        print_json({"settings": table.sizes["setting"], "method": method, "best": best})
+        print_json({"settings": table.sizes["setting"], "method": method, "best": best, "not_measurable": refused})
     else:
-        print_table_summary(best, table.sizes["setting"])
+        print_table_summary(best, refused, table.sizes["setting"])
         if output is not None:
             print(f"written to {output}")
-    everything = workflow.check(inspection)
-    all_met = not everything["not_measurable"] and all(row["accepted"] for row in best.values())
-    return _DONE if all_met else _NOT_MET
+    return _DONE if not refused and all(row["accepted"] for row in best.values()) else _NOT_MET
 
 
 @app.command(name="check")
@@ -152,8 +165,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     logging.getLogger("viewgauge").addHandler(logging.NullHandler())
     given = sys.argv[1:] if arguments is None else list(arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a name that the terminal cannot show is no failure
     try:
         result = app(given, exit_on_error=False, print_error=False)
+        sys.stdout.flush()
     except CycloptsError as error:
         print(f"viewgauge: {error}\n  hint:     see viewgauge --help", file=sys.stderr)
         return _BAD_INPUT
@@ -163,4 +180,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("viewgauge: interrupted; nothing was left half-written", file=sys.stderr)
         return _INTERRUPTED
+    except BrokenPipeError:  # such as "| head": no more can be told, and Python would try again as it ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _NOBODY_READS
     return result if isinstance(result, int) else _DONE

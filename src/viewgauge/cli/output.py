@@ -50,13 +50,20 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
     print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
 
 
-def print_table_summary(rows: dict[str, dict[str, Any]], settings: int) -> None:
-    """For each dimension the best of the evaluated settings."""
-    print(f"{len(rows)} dimensions from {settings} settings; the best of each:")
+def print_table_summary(rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], settings: int) -> None:
+    """For each dimension the best of the evaluated settings, and what cannot be measured at all."""
+    dimensions = "1 dimension" if len(rows) == 1 else f"{len(rows)} dimensions"
+    print(f"{dimensions} from {'1 setting' if settings == 1 else f'{settings} settings'}; the best of each:")
     for name, row in rows.items():
         verdict = "accepted" if row["accepted"] else "not accepted"
-        seen = f"probability {_sure(row['probability'])} from {row['setting']}" if row["visible"] else row["reason"]
+        seen = (
+            f"probability {_sure(row['probability'])} from {row['setting']}"
+            if row["visible"]
+            else f"not visible ({row['reason']})"
+        )
         print(f"  {name}: {seen}, {verdict}")
+    for entry in refused:
+        print(f"  {entry['id']}: not measurable; {entry['reason']}")
 
 
 def print_check(document: dict[str, Any]) -> None:

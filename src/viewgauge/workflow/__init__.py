@@ -6,7 +6,7 @@ from .inspection import ExplicitSettings, Inspection
 from .load import load
 from .plan import plan
 from .progress import Progress, Silent
-from .write import describe_plan, make_folder, require_table_suffix, write_evaluation, write_plan
+from .write import describe_plan, output_folder, require_table_suffix, write_evaluation, write_plan
 
 __all__ = [
     "ExplicitSettings",
@@ -19,7 +19,7 @@ __all__ = [
     "describe_plan",
     "evaluate",
     "load",
-    "make_folder",
+    "output_folder",
     "plan",
     "require_table_suffix",
     "success_probability",

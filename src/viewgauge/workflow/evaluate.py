@@ -57,6 +57,7 @@ def evaluate(
     dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     if method not in ("joint", "independent", "monte-carlo"):
         raise InputError("unknown method", key="method", got=method, expected="joint, independent or monte-carlo")
+    _require_draws(draws)
     with progress.stage(f"Evaluating {len(chosen.ids)} settings", len(chosen.ids)) as advance:
         table = evaluate_settings(
             chosen.T_part_camera,
@@ -89,7 +90,14 @@ def _settings(
     if isinstance(settings, str | PathLike):
         return ExplicitSettings(*read_settings(settings))
     poses = require_poses(settings, "settings").reshape(-1, 4, 4)
+    if not len(poses):
+        raise InputError("no settings to evaluate", key="settings", got="no pose", expected="at least one")
     return ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
+
+
+def _require_draws(draws: int) -> None:
+    if draws < 1:
+        raise InputError("the number of draws must be at least 1", key="draws", got=draws)
 
 
 def _simulated(
@@ -146,6 +154,7 @@ def success_probability(
     """
     if method != "monte-carlo":
         return first_order_probability(start, end, camera, error, relative_tolerance, method)
+    _require_draws(draws)
     generator = np.random.default_rng(rng)
     tolerance = np.asarray(relative_tolerance, dtype=float)
     start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
@@ -163,7 +172,8 @@ def best_of_each(table: xr.Dataset) -> dict[str, dict[str, object]]:
     best: dict[str, dict[str, object]] = {}
     for j, name in enumerate(table["dimension"].values):
         column = table.isel(dimension=j)
-        row = column.isel(setting=int(np.argmax(column["probability"].values)))
+        seen = np.where(column["visible"].values, column["probability"].values, -1.0)
+        row = column.isel(setting=int(np.argmax(seen)))
         best[str(name)] = {
             "setting": str(row["setting"].item()),
             "visible": bool(row["visible"]),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..evaluation import evaluate_settings
-from ..exceptions import NoCandidateError
+from ..exceptions import InputError, NoCandidateError
 from ..part.gauge_table import GaugeTable
 from ..planning import Plan, choose_settings, not_measurable, sample_settings, without_allowed_error
 from .inspection import ExplicitSettings, Inspection
@@ -26,11 +26,15 @@ def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress 
 
     Raises
     ------
+    InputError
+        If the seed is negative.
     NoCandidateError
         If there is no candidate setting to choose from.
     """
     progress = progress or Silent()
     if seed is not None:
+        if seed < 0:
+            raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
         inspection = replace(inspection, seed=seed)
     dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     unusable = (*inspection.part.unusable, *refused)

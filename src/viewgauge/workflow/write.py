@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -17,7 +20,7 @@ from ..planning import Plan
 from ..report import render_report
 from .inspection import Inspection
 
-__all__ = ["describe_plan", "make_folder", "require_table_suffix", "write_evaluation", "write_plan"]
+__all__ = ["describe_plan", "output_folder", "require_table_suffix", "write_evaluation", "write_plan"]
 
 
 def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
@@ -26,15 +29,34 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
 
 
 def make_folder(path: str | PathLike[str]) -> Path:
-    """The folder, made where it is absent; raises InputError where it cannot be."""
-    folder = Path(path)
+    """The folder, made where it is absent; raises InputError where it cannot be, or cannot be written to."""
+    folder, hint = Path(path), "choose another place with -o"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise InputError("this is to be a folder, but there is a file in its place", file=folder, hint=hint) from error
     except OSError as error:
-        raise InputError(
-            f"this folder cannot be made: {error.strerror}", file=folder, hint="choose another place with -o"
-        ) from error
+        raise InputError(f"this folder cannot be made: {error.strerror}", file=folder, hint=hint) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError("nothing can be written to this folder", file=folder, hint=hint)
     return folder
+
+
+@contextmanager
+def output_folder(path: str | PathLike[str]) -> Iterator[Path]:
+    """A folder for what the block writes, made before any work is done for it.
+
+    If the block fails, the folders that were made are taken away again as far as they are empty.
+    """
+    folder = Path(path)
+    absent = [place for place in (folder, *folder.parents) if not place.exists()]
+    try:
+        yield make_folder(folder)
+    except BaseException:  # KeyboardInterrupt too
+        with suppress(OSError):
+            for place in absent:
+                place.rmdir()
+        raise
 
 
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
