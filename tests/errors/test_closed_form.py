@@ -220,11 +220,14 @@ def test_only_ratios_matter_and_widths_can_be_swapped(position, sigma, a, b, uni
 
 @settings(max_examples=300, deadline=None)
 @given(positions(), scales(), scales(), scales())
+@example(0.0, 1e-3, 5.0, 0.0)
+@example(0.0, 1.0, 1.3, 0.4)
 def test_the_law_is_a_symmetric_probability_whatever_the_ratios(position, sigma, a, b):
     x = abs(position) * math.sqrt(sigma**2 + (a**2 + b**2) / 6)
     low, high, central = total_cdf(-x, sigma, a, b), total_cdf(x, sigma, a, b), central_probability(x, sigma, a, b)
     assert 0 <= low <= high + ROUNDING
     assert high <= 1
+    assert 0 <= central <= 1
     assert total_pdf(x, sigma, a, b) >= 0
     assert total_pdf(x, sigma, a, b) == total_pdf(-x, sigma, a, b)
     no_error = sigma == a == b == 0

@@ -162,7 +162,7 @@ def _central(x, sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorato
         return 0.0
     if sigma == 0.0 and a == 0.0 and b == 0.0:
         return 1.0
-    return 1.0 - 2.0 * _total(-x, sigma, a, b, 0)
+    return max(1.0 - 2.0 * _total(-x, sigma, a, b, 0), 0.0)  # at x = 0 rounding can leave -2e-16
 
 
 @numba.vectorize(["float64(float64, float64, float64)"], cache=True)

@@ -68,23 +68,25 @@ class Law(ABC):
         shape = left.shape
         target = np.broadcast_to(inside, shape).ravel()
 
-        def residual(x: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
+        width = right - left
+
+        def residual(t: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
             full = np.zeros(left.size)
             flat = k.astype(int)
-            full[flat] = x
+            full[flat] = left.ravel()[flat] + t * width.ravel()[flat]
             return np.asarray(self.cdf(full.reshape(shape)).ravel()[flat] - target[flat])
 
         root = np.asarray(left, dtype=float).copy()
-        open_bracket = right > left
+        open_bracket = width > 0
         if open_bracket.any():
             found = find_root(
                 residual,
-                (left[open_bracket], right[open_bracket]),
+                (np.zeros(open_bracket.sum()), np.ones(open_bracket.sum())),  # share of the bracket: any unit will do
                 args=(index[open_bracket].astype(float),),
                 tolerances={"xrtol": 1e-15, "fatol": 0.0, "xatol": 0.0, "frtol": 0.0},
                 maxiter=200,
             )
-            root[open_bracket] = np.where(found.success, found.x, left[open_bracket])
+            root[open_bracket] += np.where(np.isfinite(found.x), found.x, 0.0) * width[open_bracket]
         return np.asarray(
             np.select([q == 0, q == 1, (q > 0) & (q < 1)], [low, high, root], default=np.nan), dtype=float
         )
