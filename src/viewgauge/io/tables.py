@@ -57,7 +57,8 @@ def _write_zarr(table: xr.Dataset, path: Path) -> None:
         import zarr  # noqa: F401 - only to know whether it is there
     except ImportError as error:
         raise _missing(path, "zarr") from error
-    table.assign(reason=table["reason"].astype(str)).to_zarr(path, mode="w", consolidated=False)
+    # format 2: format 3 has no settled way to store text, and warns of it
+    table.assign(reason=table["reason"].astype(str)).to_zarr(path, mode="w", consolidated=False, zarr_format=2)
 
 
 def _missing(path: str | PathLike[str], library: str) -> InputError:

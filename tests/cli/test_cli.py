@@ -1,0 +1,472 @@
+"""The command line as a user meets it: exit codes, messages, files, and nothing left half-done."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from viewgauge.cli import main
+from viewgauge.io import step_process
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "slotted_block"
+SECTIONS = {
+    "part": """
+  file: box.stl
+  dimensions:
+    - id: width
+      start: [0, 0, 40] mm
+      end: [80, 0, 40] mm
+      tolerance: 0.1 mm
+    - id: heel
+      start: [0, 50, 0] mm
+      end: [80, 50, 0] mm
+      tolerance: [-0.1, 0.2] mm""",
+    "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}",
+    "head": "{translation: 0.1 mm, rotation: 0.02 deg}",
+    "requirement": "{accuracy: 0.995, probability: 0.95}",
+    "candidates": "{directions: 40, rolls: 2}",
+}
+HEADER = "id,x,y,z,qw,qx,qy,qz\n"
+ABOVE = "above,40,0,350,0,1,0,0\n"  # half a turn about x: looks down on the edge "width" of the box
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder, also the current one, with a box and its inspection file."""
+    import trimesh
+
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export("box.stl")
+    write()
+    return tmp_path
+
+
+def write(name="inspection.yaml", **changes):
+    Path(name).write_text("".join(f"{key}: {value}\n" for key, value in {**SECTIONS, **changes}.items()))
+
+
+def refused(capsys, *arguments):
+    """The message of a command that has to end with exit code 2."""
+    assert main([str(a) for a in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert err.startswith("viewgauge: ")
+    assert "Traceback" not in err
+    assert out == ""
+    return err
+
+
+# --- good runs --------------------------------------------------------------------------------------------------------
+
+
+def test_plan_writes_its_files_and_ends_with_0(capsys):
+    assert main(["plan", "inspection.yaml", "-o", "new/nested folder"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert sorted(p.name for p in Path("new/nested folder").iterdir()) == [
+        "assignments.csv", "plan.json", "report.html", "settings.csv",
+    ]  # fmt: skip
+    assert "2 of 2 dimensions" in out
+    assert "nested folder" in out
+
+
+def test_json_is_plan_json(capsys):
+    assert main(["plan", "inspection.yaml", "-o", "out", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document == json.loads(Path("out/plan.json").read_text())
+    assert document["dimensions"][0]["id"] == "width"
+
+
+def test_an_unmet_dimension_is_1_and_is_named_with_the_best_reached_and_the_cause(capsys):
+    write(requirement="{error: 1 nm, probability: 0.95}")
+    assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
+    out = capsys.readouterr().out
+    assert "unmet           width: best probability 0.0" in out
+    assert "of 0.95 required; visible, but limited by pose error" in out
+    assert main(["plan", "inspection.yaml", "-o", "out", "--json"]) == 1
+    document = json.loads(capsys.readouterr().out)
+    assert (document["count"], document["lower_bound"], document["proven"]) == (0, 0, True)
+    assert {d["status"] for d in document["dimensions"]} == {"unmet"}
+
+
+def test_a_hidden_dimension_names_the_reason_that_dominates(capsys):
+    write(candidates="{directions: 20, rolls: 1, cone: {half_angle: 10 deg}}")
+    assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
+    assert "heel: best probability 0.0000 of 0.95 required; not visible from any of" in (out := capsys.readouterr().out)
+    assert "on faces turned away (" in out
+
+
+def test_no_tolerance_is_1_and_is_named_by_every_command(capsys):
+    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "")
+    write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
+    Path("s.csv").write_text(HEADER + ABOVE)
+    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--settings", "s.csv"]):
+        assert main([command[0], "inspection.yaml", *command[1:]]) == 1
+        out = capsys.readouterr().out
+        assert "width" in out
+        assert "basic value" in out
+    assert main(["check", "inspection.yaml", "--json"]) == 1
+    assert [d["id"] for d in json.loads(capsys.readouterr().out)["not_measurable"]] == ["width"]
+
+
+def test_nothing_that_can_be_judged_is_1_and_no_crash(capsys):
+    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: [-0.1, 0.2] mm", "")
+    write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
+    Path("s.csv").write_text(HEADER + ABOVE)
+    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--settings", "s.csv", "-o", "t.csv"]):
+        assert main([command[0], "inspection.yaml", *command[1:]]) == 1
+        assert "basic value" in capsys.readouterr().out
+
+
+def test_check_says_what_was_read(capsys):
+    assert main(["check", "inspection.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "80 x 50 x 40 mm" in out
+    assert "heel: gauge 80 mm (-0.1 +0.2)" in out
+    assert main(["check", "inspection.yaml", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["part"]["size_mm"] == [80, 50, 40]
+    assert [d["id"] for d in document["dimensions"]] == ["width", "heel"]
+    assert list(document["inputs"]) == ["inspection.yaml", "box.stl"]
+
+
+def test_evaluate_names_the_best_setting_of_each_dimension(capsys):
+    Path("s.csv").write_text(HEADER + "far,40,0,35000,0,1,0,0\n" + ABOVE)
+    assert main(["evaluate", "inspection.yaml", "--settings", "s.csv"]) == 1
+    out = capsys.readouterr().out
+    assert "width: probability" in out
+    assert "from above, accepted" in out
+    assert "heel: not visible (facing_away), not accepted" in out
+    assert main(["evaluate", "inspection.yaml", "--settings", "s.csv", "--json"]) == 1
+    best = json.loads(capsys.readouterr().out)["best"]
+    assert (best["width"]["setting"], best["width"]["accepted"]) == ("above", True)
+    assert best["heel"]["reason"] == "facing_away"
+
+
+def test_odd_paths_and_part_override(capsys):
+    odd = Path("Prüf teile")
+    odd.mkdir()
+    Path("box.stl").rename(odd / "ein würfel.STL")
+    write(odd / "mein plan.yaml", part=SECTIONS["part"].replace("box.stl", "ein würfel.STL"))
+    assert main(["check", str(odd / "mein plan.yaml")]) == 0, "the part lies beside the inspection file"
+    write(odd / "none.yaml", part=SECTIONS["part"].replace("  file: box.stl\n", ""))
+    assert main(["check", str(odd / "none.yaml"), "--part", str(odd / "ein würfel.STL")]) == 0, "from where one stands"
+    capsys.readouterr()
+    assert main(["plan", str(odd / "mein plan.yaml"), "-o", str(odd / "ergebnis ö"), "--json"]) == 0
+    assert list(json.loads(capsys.readouterr().out)["inputs"]) == ["mein plan.yaml", "ein würfel.STL"]
+    assert (odd / "ergebnis ö" / "report.html").exists()
+
+
+def test_help_and_version(capsys):
+    for arguments in ([], ["--help"], ["plan", "--help"], ["--version"]):
+        assert main(arguments) == 0
+    assert "Exit" not in capsys.readouterr().err
+
+
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".zarr", ".CSV"])
+def test_tables_read_back_equal(suffix):
+    import viewgauge as vg
+    from viewgauge.evaluation import COLUMNS
+
+    if suffix in (".parquet", ".zarr"):
+        pytest.importorskip("pyarrow" if suffix == ".parquet" else "zarr", reason="an optional library")
+    Path("s.csv").write_text(HEADER + "far,40,0,3500,0,1,0,0\n" + ABOVE)
+    for _ in range(2):  # the second run writes over the first
+        assert main(["evaluate", "inspection.yaml", "--settings", "s.csv", "-o", f"new/t{suffix}"]) == 1
+    assert os.listdir("new") == [f"t{suffix}"]
+    expected = vg.evaluate(vg.load("inspection.yaml"), "s.csv")
+    path = f"new/t{suffix}"
+    if suffix == ".zarr":
+        import xarray as xr
+
+        got = xr.open_zarr(path, consolidated=False).load()
+        for name in (*COLUMNS, "gauge"):
+            np.testing.assert_array_equal(got[name].values, expected[name].values, err_msg=name)
+        return
+    import pandas as pd
+
+    rows = pd.read_parquet(path) if suffix == ".parquet" else pd.read_csv(path, keep_default_na=False, na_values=[])
+    assert list(rows.columns) == ["setting", "dimension", *COLUMNS]
+    assert rows["setting"].tolist() == ["far", "far", "above", "above"]
+    assert rows["dimension"].tolist() == ["width", "heel"] * 2
+    for name in COLUMNS:
+        given = expected[name].values.ravel()
+        if given.dtype == float:
+            np.testing.assert_array_equal(pd.to_numeric(rows[name]).to_numpy(), given, err_msg=name)
+        else:
+            assert rows[name].tolist() == given.tolist(), name
+
+
+def test_methods_agree_as_theory_says():
+    import viewgauge as vg
+
+    inspection = vg.load("inspection.yaml")
+    vg.write_plan(vg.plan(inspection), inspection, "out")
+    joint, independent, drawn = (
+        vg.evaluate(inspection, "out/settings.csv", method=method) for method in ("joint", "independent", "monte-carlo")
+    )
+    np.testing.assert_array_equal(joint["visible"], drawn["visible"])
+    assert (independent["probability"] <= joint["probability"]).all(), "the paper's model overstates the spread"
+    assert (independent["sigma_displacement_px"] > 2 * joint["sigma_displacement_px"]).any()
+    # 100,000 draws: a standard error of 1.6e-3 at most; five of them fail a right table in less than 1 of 10^5 cases
+    assert abs(drawn["probability"] - joint["probability"]).max() < 8e-3
+    assert abs(drawn["expected_accuracy"] - joint["expected_accuracy"]).max() < 1e-4
+    again = vg.evaluate(inspection, "out/settings.csv", method="monte-carlo")
+    np.testing.assert_array_equal(again["probability"], drawn["probability"])
+
+
+# --- bad input: exit code 2 and one telling message -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "where", "telling"),
+    [
+        ({"camera": SECTIONS["camera"].replace("16 mm", "-16 mm")}, "12:camera.focal_length", "-16 mm"),
+        ({"camera": SECTIONS["camera"].replace("16 mm", ".nan mm")}, "12:camera.focal_length", "nan mm"),
+        ({"camera": SECTIONS["camera"].replace("16 mm", "16")}, "12:camera.focal_length", "such as 16 mm"),
+        ({"camera": SECTIONS["camera"].replace("16 mm", "16 deg")}, "12:camera.focal_length", "16 deg"),
+        ({"camera": SECTIONS["camera"].replace("focal_length", "focal")}, "12:camera.focal", "unknown"),
+        ({"camera": SECTIONS["camera"].replace("2448", "-2448")}, "12:camera.resolution", "-2448"),
+        ({"head": "{translation: -0.1 mm, rotation: 0.02 deg}"}, "13:head.translation", "-0.1 mm"),
+        ({"head": "{translation: 0.1 deg, rotation: 0.02 deg}"}, "13:head.translation", "0.1 deg"),
+        ({"requirement": "{accuracy: 1.5, probability: 0.95}"}, "14:requirement", "1.5"),
+        ({"requirement": "{accuracy: 0.99, probability: 2}"}, "14:requirement.probability", "2"),
+        ({"candidates": "{distance: [600, 300] mm}"}, "15:candidates.distance", "the nearer distance comes first"),
+        ({"candidates": "{settings: none.csv}"}, "", "none.csv"),
+        ({"bogus": "1"}, "16:bogus", "unknown"),
+        (
+            {"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, 4000] mm")},
+            "4:part.dimensions",
+            "outside the part: its end is 3960 mm from the surface",
+        ),
+        ({"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, .nan] mm")}, "6:part.dimensions[0].end", "nan"),
+        ({"part": "{file: box.stl}"}, "part.dimensions", "no dimension to measure"),
+        ({"part": SECTIONS["part"].replace("box.stl", "gone.stl")}, "gone.stl", "cannot be read"),
+        ({"part": SECTIONS["part"].replace("box.stl", "gone.step")}, "gone.step", "does not exist"),
+        ({"part": SECTIONS["part"].replace("box.stl", "box.dwg")}, "box.dwg", "STEP (.stp, .step, .p21) or a mesh"),
+    ],
+)
+def test_bad_inspection_files(capsys, changes, where, telling):
+    write(**changes)
+    err = refused(capsys, "plan", "inspection.yaml", "-o", "out")
+    assert where in err
+    assert telling in err
+    assert not Path("out").exists(), "nothing is left behind"
+
+
+def test_missing_inspection_file(capsys):
+    assert "none.yaml: the file does not exist" in refused(capsys, "check", "none.yaml")
+
+
+def test_covariance_that_is_none(capsys):
+    rows = np.diag([1.0, 1, 1, 1e-6, 1e-6, 1e-6])
+    rows[0, 1] = rows[1, 0] = 2.0
+    Path("cov.yaml").write_text("covariance:\n" + "".join(f"  - {row.tolist()}\n" for row in rows))
+    write(head="{covariance: cov.yaml}")
+    err = refused(capsys, "check", "inspection.yaml")
+    assert "head.covariance" in err or "cov.yaml" in err
+    assert "positive semidefinite" in err
+
+
+@pytest.mark.parametrize(
+    ("content", "telling"),
+    [
+        (HEADER + "a,0,0,300,0,1,1,0\n", "s.csv:2:qw, qx, qy, qz: the quaternion is not of unit length"),
+        (HEADER + ABOVE + "a,0,nan,300,0,1,0,0\n", "s.csv:3:y: not a finite number"),
+        (HEADER, "no settings in the file"),
+        ("id,x,y\n", "s.csv:1:z, qw, qx, qy, qz: columns are missing"),
+    ],
+)
+def test_bad_settings_files(capsys, content, telling):
+    Path("s.csv").write_text(content)
+    assert telling in refused(capsys, "evaluate", "inspection.yaml", "--settings", "s.csv")
+    write(candidates="{settings: s.csv}")
+    assert telling in refused(capsys, "plan", "inspection.yaml", "-o", "out")
+
+
+def test_evaluate_without_settings_says_where_to_give_them(capsys):
+    assert "candidates.settings" in refused(capsys, "evaluate", "inspection.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "telling"),
+    [
+        ("text.step", "this is no CAD file\n", "not a STEP file"),
+        ("empty.step", "", "empty"),
+        ("cut.step", None, "truncated"),
+        ("empty.stl", "solid nothing\nendsolid nothing\n", "empty.stl"),
+        ("empty.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangles"),
+    ],
+)
+def test_bad_part_files(capsys, name, content, telling):
+    step = (EXAMPLE / "slotted_block.step").read_text()
+    Path(name).write_text(step[: len(step) // 2] if content is None else content)
+    err = refused(capsys, "plan", "inspection.yaml", "-o", "out", "--part", name)
+    assert name in err
+    assert telling in err
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize(
+    ("code", "telling"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV"),
+        ("import time; time.sleep(600)", "took longer than 2 s"),
+    ],
+)
+def test_a_step_file_that_crashes_or_hangs_the_reader(capsys, monkeypatch, code, telling):
+    def read(path):
+        return step_process.read_step(path, timeout_s=2.0, _child_command=(sys.executable, "-c", code))
+
+    monkeypatch.setattr(sys.modules["viewgauge.workflow.load"], "read_step", read)
+    Path("bad.step").write_text("ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n")
+    err = refused(capsys, "plan", "inspection.yaml", "-o", "out", "--part", "bad.step")
+    assert "bad.step" in err
+    assert telling in err
+
+
+def test_no_candidate_left(capsys):
+    write(candidates="{distance: [1, 2] mm, targets: 0}")
+    err = refused(capsys, "plan", "inspection.yaml", "-o", "out")
+    assert "no candidate setting is left" in err
+    assert "allow larger distances" in err
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "telling"),
+    [
+        (["bogus"], 'Unknown command "bogus"'),
+        (["plan"], "FILE"),
+        (["plan", "inspection.yaml"], "--output"),
+        (["check", "inspection.yaml", "--bogus"], "--bogus"),
+        (["plan", "inspection.yaml", "-o", "out", "--seed", "1.5"], "'1.5' is not a whole number"),
+        (["plan", "inspection.yaml", "-o", "out", "--seed", "-3"], "seed"),
+        (["evaluate", "inspection.yaml", "--settings", "s.csv", "--method", "exact"], "monte-carlo"),
+        (["evaluate", "inspection.yaml", "--settings", "s.csv", "--draws", "0"], "draws"),
+        (["evaluate", "none.yaml", "--settings", "s.csv", "-o", "t.xlsx"], "a suffix of .csv, .parquet, .zarr"),
+        (["plan", "none.yaml", "-o", "box.stl"], "there is a file in its place"),
+        (["plan", "none.yaml", "-o", "box.stl/out"], "there is a file in its place"),
+        (["evaluate", "none.yaml", "--settings", "s.csv", "-o", "box.stl/t.csv"], "there is a file in its place"),
+    ],
+)
+def test_bad_arguments(capsys, arguments, telling):
+    """Where the output is wrong it is told before anything is read: there is no none.yaml."""
+    Path("s.csv").write_text(HEADER + ABOVE)
+    assert telling in refused(capsys, *arguments)
+
+
+def test_an_output_folder_without_permission(capsys, monkeypatch):
+    Path("locked").mkdir()
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may write everywhere
+    assert "locked: nothing can be written to this folder" in refused(capsys, "plan", "none.yaml", "-o", "locked")
+    assert Path("locked").is_dir(), "what was there stays"
+
+
+def test_a_failure_leaves_an_older_plan_as_it_was(capsys):
+    assert main(["plan", "inspection.yaml", "-o", "out"]) == 0
+    before = {p.name: p.read_bytes() for p in Path("out").iterdir()}
+    write(head="{translation: -1 mm, rotation: 0.02 deg}")
+    capsys.readouterr()
+    refused(capsys, "plan", "inspection.yaml", "-o", "out")
+    assert {p.name: p.read_bytes() for p in Path("out").iterdir()} == before
+
+
+def test_errors_as_json(capsys):
+    write(camera=SECTIONS["camera"].replace("16 mm", "16"))
+    assert main(["check", "inspection.yaml", "--json"]) == 2
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert error["kind"] == "InspectionFileError"
+    assert error["file"] == "inspection.yaml"
+    assert error["line"] == 12
+    assert error["key"] == "camera.focal_length"
+    assert "16" in error["got"]
+    assert error["expected"]
+
+
+# --- as a process -----------------------------------------------------------------------------------------------------
+
+
+def process(*arguments, **options):
+    return subprocess.Popen(
+        [sys.executable, "-m", "viewgauge", *arguments],
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options},
+    )
+
+
+def test_nothing_on_stderr_in_a_pipe_and_names_that_the_terminal_cannot_show():
+    done = process("plan", "inspection.yaml", "-o", "ä", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    out, err = done.communicate(timeout=120)
+    assert done.returncode == 0
+    assert err == b""
+    assert rb"written to \xe4" in out
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals and signals are POSIX only")
+def test_progress_is_shown_on_a_terminal():
+    import pty
+
+    ours, theirs = pty.openpty()
+    running = process("plan", "inspection.yaml", "-o", "out", "--json", stderr=theirs)
+    os.close(theirs)
+    seen = b""
+    try:
+        while block := os.read(ours, 4096):
+            seen += block
+    except OSError:
+        pass  # Linux says so when the other end is closed
+    out, _ = running.communicate(timeout=120)
+    os.close(ours)
+    assert running.returncode == 0
+    assert b"candidate settings" in seen
+    assert json.loads(out)["proven"], "progress does not mix with the result"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes that close early are told by a signal on POSIX only")
+def test_a_reader_that_leaves_is_no_traceback():
+    running = process("check", "inspection.yaml")
+    running.stdout.close()
+    err = running.stderr.read()
+    running.stderr.close()
+    assert running.wait(timeout=120) == 141
+    assert err == b""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals and signals are POSIX only")
+def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
+    # many candidates, so that the plan is not done when the signal comes; it is sent once planning has begun
+    write(candidates="{directions: 20000, rolls: 8, distances: 10}")
+    code = (
+        "import sys, viewgauge.workflow as w\n"
+        "real = w.plan\n"
+        "def plan(*a, **k):\n    print('begun', flush=True)\n    return real(*a, **k)\n"
+        "w.plan = plan\n"
+        "from viewgauge.cli import main\n"
+        "sys.exit(main(sys.argv[1:]))"
+    )
+    running = subprocess.Popen(
+        [sys.executable, "-c", code, "plan", "inspection.yaml", "-o", "new/out"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert running.stdout.readline() == "begun\n"
+    time.sleep(0.5)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=120)
+    assert running.returncode == 130
+    assert err == "viewgauge: interrupted; nothing was left half-written\n"
+    assert out == ""
+    assert sorted(p.name for p in folder.iterdir()) == ["box.stl", "inspection.yaml"]
