@@ -227,6 +227,21 @@ def test_methods_agree_as_theory_says():
     np.testing.assert_array_equal(again["probability"], drawn["probability"])
 
 
+def test_draws_in_several_blocks_are_all_counted(monkeypatch):
+    import viewgauge as vg
+
+    Path("s.csv").write_text(HEADER + ABOVE)
+    write(requirement="{accuracy: 0.9998, probability: 0.95}")
+    inspection = vg.load("inspection.yaml")
+    once = vg.evaluate(inspection, "s.csv", method="monte-carlo", draws=40_000).isel(setting=0, dimension=0)
+    monkeypatch.setattr(sys.modules["viewgauge.workflow.evaluate"], "_DRAWS_PER_BLOCK", 15_000)
+    blocks = vg.evaluate(inspection, "s.csv", method="monte-carlo", draws=40_000).isel(setting=0, dimension=0)
+    assert 0.2 < float(once["probability"]) < 0.8
+    # other draws: two estimates differ by more than 5 of their standard errors in less than 1 of 10^6 cases
+    assert float(blocks["probability"]) == pytest.approx(float(once["probability"]), abs=5 * (2 * 0.25 / 40_000) ** 0.5)
+    assert float(blocks["expected_accuracy"]) == pytest.approx(float(once["expected_accuracy"]), abs=2e-5)
+
+
 # --- bad input: exit code 2 and one telling message -------------------------------------------------------------------
 
 

@@ -25,6 +25,7 @@ __all__ = ["Method", "best_of_each", "evaluate", "success_probability"]
 Method = Literal["joint", "independent", "monte-carlo"]
 
 DEFAULT_DRAWS = 100_000
+_DRAWS_PER_BLOCK = 250_000  # bounds the memory of a block to about 100 MB
 
 
 def evaluate(
@@ -118,11 +119,17 @@ def _simulated(
             ends = transform(invert(T_part_camera[k]), np.stack([gauge.start, gauge.end]))
             # every pair has its own stream, so that a value does not depend on which other pairs there are
             rng = np.random.default_rng((inspection.seed, pair))
-            errors = np.abs(simulate_length_errors(ends[0], ends[1], camera, inspection.head, draws, rng))
             length = float(np.linalg.norm(np.diff(camera.project(ends), axis=0)))
-            errors[np.isnan(errors)] = np.inf
-            probability[k, j] = np.mean(errors <= table["relative_tolerance"].values[k, j] * length)
-            accuracy[k, j] = np.mean(np.maximum(1 - errors / length, 0.0))
+            allowed = table["relative_tolerance"].values[k, j] * length
+            right, relative = 0, 0.0
+            for done in range(0, draws, _DRAWS_PER_BLOCK):
+                count = min(_DRAWS_PER_BLOCK, draws - done)
+                errors = np.abs(simulate_length_errors(ends[0], ends[1], camera, inspection.head, count, rng))
+                errors[np.isnan(errors)] = np.inf
+                right += int((errors <= allowed).sum())
+                relative += float(np.maximum(length - errors, 0.0).sum())
+            probability[k, j] = right / draws
+            accuracy[k, j] = relative / (draws * length) if length > 0 else 0.0
             advance(1)
     accepted = table["visible"].values & (probability >= inspection.requirement.probability)
     over = ("setting", "dimension")
