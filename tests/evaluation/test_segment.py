@@ -174,6 +174,12 @@ def test_only_the_pixels_size_along_the_segment_counts(along):
 
 # --- what must not matter -----------------------------------------------------------------------------------
 
+
+def apart_in_the_image(start, end):
+    """Where both ends lie on one ray the direction of the image is rounding, and turns with it."""
+    return math.dist(start[:2] / start[2], end[:2] / end[2]) > 1e-3
+
+
 tolerances = st.one_of(st.sampled_from([0.0, 1e-12, 1.0, 1e6]), st.floats(1e-5, 0.05))
 
 
@@ -191,7 +197,7 @@ def test_it_is_a_probability_and_the_ends_can_be_swapped(start, end, covariance,
 @given(points_in_front(), points_in_front(), tolerances, st.sampled_from(METHODS), st.sampled_from([1, 2, 3]))
 def test_quarter_turns_of_the_camera_do_not_matter(start, end, tolerance, method, quarters):
     # square pixels, a pivot on the axis, equal standard deviations: nothing tells the four turns apart
-    assume(math.dist(start, end) > 1)
+    assume(apart_in_the_image(start, end))
     turn = Rotation.from_euler("z", quarters * math.pi / 2).as_matrix()
     p = success_probability(start, end, CAMERA, ERROR, tolerance, method)
     assert success_probability(turn @ start, turn @ end, CAMERA, ERROR, tolerance, method) == pytest.approx(
@@ -202,7 +208,7 @@ def test_quarter_turns_of_the_camera_do_not_matter(start, end, tolerance, method
 @settings(deadline=None)
 @given(points_in_front(), points_in_front(), st.floats(-4, 4), tolerances)
 def test_no_turn_matters_to_an_ideal_locator(start, end, roll, tolerance):
-    assume(math.dist(start[:2] / start[2], end[:2] / end[2]) > 1e-3)
+    assume(apart_in_the_image(start, end))
     assume(image_segment(start, end, IDEAL, ERROR).sigma_displacement_mm > 1e-9)
     turn = Rotation.from_euler("z", roll).as_matrix()
     p = success_probability(start, end, IDEAL, ERROR, tolerance)
@@ -212,7 +218,7 @@ def test_no_turn_matters_to_an_ideal_locator(start, end, roll, tolerance):
 @settings(deadline=None)
 @given(points_in_front(), points_in_front(), st.sampled_from([1e-3, 7.0, 1e3]), tolerances, st.sampled_from(METHODS))
 def test_the_unit_of_length_does_not_matter(start, end, k, tolerance, method):
-    assume(math.dist(start, end) > 1)
+    assume(apart_in_the_image(start, end))
     p = float(success_probability(start, end, CAMERA, ERROR, tolerance, method))
     larger_camera = vg.Camera(16 * k, (0.00345 * k, 0.00345 * k), (2448, 2048))
     larger_error = vg.PoseError.from_standard_deviations(0.3 * k, 5e-4, pivot_mm=(0.0, 0.0, -16.0 * k))
@@ -239,14 +245,15 @@ def test_more_pose_error_or_coarser_pixels_make_it_less_sure():
 # --- degenerate cases ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("camera", [CAMERA, IDEAL], ids=["whole pixels", "ideal locator"])
 @pytest.mark.parametrize("method", METHODS)
-def test_a_segment_not_wholly_in_front_has_probability_zero_and_no_image(method):
+def test_a_segment_not_wholly_in_front_has_probability_zero_and_no_image(camera, method):
     starts = np.array([[0, 0, 500.0], [0, 0, 0], [0, 0, -500], [0, 0, 500]])
     ends = np.array([[40.0, 0, -1], [40, 0, 500], [40, 0, -500], [40, 0, 500]])
-    p = success_probability(starts, ends, CAMERA, ERROR, 0.5, method)
+    p = success_probability(starts, ends, camera, ERROR, 0.5, method)
     np.testing.assert_array_equal(p[:3], 0)
     assert p[3] > 0.99
-    segment = image_segment(starts, ends, CAMERA, ERROR, method)
+    segment = image_segment(starts, ends, camera, ERROR, method)
     for values in (segment.length_mm, segment.angle_rad, segment.sigma_displacement_mm):
         assert np.isnan(values[:3]).all()
         assert np.isfinite(values[3])
