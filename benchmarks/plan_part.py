@@ -38,9 +38,7 @@ def main(inspection_file: str, part_file: str, candidates: int) -> None:
     watch.lap("read the inspection and the part")
     rolls, distances, targets = 2, 2, 4
     directions = max(1, candidates // (rolls * distances * (targets + 1)))
-    options = replace(
-        inspection.candidates, rolls=rolls, distances=distances, targets=targets, directions=directions
-    )
+    options = replace(inspection.candidates, rolls=rolls, distances=distances, targets=targets, directions=directions)
     plan = vg.plan(replace(inspection, candidates=options))
     watch.lap(f"plan with {plan.candidate_count} candidates")
     with tempfile.TemporaryDirectory() as folder:

@@ -6,12 +6,24 @@ Usage: python survey.py FOLDER_OF_STEP_FILES
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import viewgauge as vg
 
 HERE = Path(__file__).resolve().parent
 COMMAND = "python examples/nist/survey.py FOLDER_OF_STEP_FILES > docs/nist.md"
+
+
+COLUMNS = (
+    *("part", "unit", "callouts", "with tolerance", "PLUS_MINUS_TOLERANCE", "dimensions with gauges", "gauges"),
+    *("candidates", "settings", "proven", "met", "not met", "not measurable", "weakest probability"),
+)
+
+
+def table_row(cells: Sequence[object]) -> str:
+    """One row of a Markdown table."""
+    return f"| {' | '.join(str(cell) for cell in cells)} |"
 
 
 def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
@@ -28,10 +40,21 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     met = by_status["met"]
     weakest = min((d.probability for d in met), default=float("nan"))
     proof = "yes" if plan.proven else f"at least {plan.lower_bound}"
-    row = (
-        f"| {inspection_file.stem.upper().replace('_', '-')} | {inspection.part.length_unit} | {len(callouts)} "
-        f"| {len(toleranced)} | {plus_minus} | {len(inspection.part.dimensions)} | {gauges} | {plan.candidate_count} | {plan.count} "
-        f"| {proof} | {len(met)} | {len(by_status['unmet'])} | {len(by_status['not_measurable'])} | {weakest:.4f} |"
+    cells = (
+        inspection_file.stem.upper().replace("_", "-"),
+        inspection.part.length_unit,
+        len(callouts),
+        len(toleranced),
+        plus_minus,
+        len(inspection.part.dimensions),
+        gauges,
+        plan.candidate_count,
+        plan.count,
+        proof,
+        len(met),
+        len(by_status["unmet"]),
+        len(by_status["not_measurable"]),
+        f"{weakest:.4f}",
     )
     reasons = [
         f"- {d.id}, {d.nominal_mm:.6g} mm, allowed error {d.allowed_error_mm:.3g} mm: **not met**, best probability "
@@ -39,7 +62,7 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
         for d in by_status["unmet"]
     ]
     reasons += [f"- {d.id}: **not measurable**; {d.limit}" for d in by_status["not_measurable"]]
-    return row, [*reasons, *(f"- note: {note}" for note in inspection.part.notes)]
+    return table_row(cells), [*reasons, *(f"- note: {note}" for note in inspection.part.notes)]
 
 
 def main(folder: Path) -> None:
@@ -61,11 +84,8 @@ def main(folder: Path) -> None:
         "the fewest of the candidates, proven where it says so. Where more callouts have a tolerance than the file has "
         "PLUS_MINUS_TOLERANCE entities, the others are toleranced by limits, as the notes say.\n"
     )
-    print(
-        "| part | unit | callouts | with tolerance | PLUS_MINUS_TOLERANCE | dimensions with gauges | gauges | candidates | settings | proven "
-        "| met | not met | not measurable | weakest probability |"
-    )
-    print("|---" * 14 + "|")
+    print(table_row(COLUMNS))
+    print(table_row(["---"] * len(COLUMNS)))
     print("\n".join(rows))
     print("\n".join(details))
 

@@ -31,11 +31,12 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
     by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUS_ORDER}
     count, bound = document["count"], document["lower_bound"]
     proof = "proven fewest" if document["proven"] else f"at least {bound} are needed"
-    total = len(document["dimensions"])
+    total, tried = len(document["dimensions"]), document["candidates"]
     settings = "1 setting" if count == 1 else f"{count} settings"
-    print(
-        f"{settings} ({proof} of {document['candidates']} candidates) for {len(by_status['met'])} of {total} dimensions"
-    )
+    if count:
+        print(f"{settings} ({proof} of {tried} candidates) for {len(by_status['met'])} of {total} dimensions")
+    else:
+        print(f"none of {tried} candidates measures any of {total} dimensions as required")
     required = document["requirement"]["probability"]
     for dimension in by_status["unmet"]:
         best = f"best probability {_sure(dimension['probability'])} of {required:g} required"

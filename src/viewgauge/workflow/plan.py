@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..evaluation import evaluate_settings
 from ..exceptions import InputError, NoCandidateError
 from ..part.gauge_table import GaugeTable
 from ..planning import Plan, choose_settings, not_measurable, sample_settings, without_allowed_error
+from .evaluate import evaluate
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
@@ -41,18 +41,7 @@ def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress 
     if not dimensions:
         return Plan(inspection.seed, (), tuple(not_measurable(unusable)), lower_bound=0, candidate_count=0)
     candidates = _candidates(inspection, GaugeTable.of(dimensions).points)
-    with progress.stage(f"Evaluating {len(candidates.ids)} candidate settings", len(candidates.ids)) as advance:
-        table = evaluate_settings(
-            candidates.T_part_camera,
-            candidates.ids,
-            dimensions,
-            inspection.part.mesh,
-            inspection.camera,
-            inspection.head,
-            inspection.requirement,
-            inspection.limits,
-            progress=advance,
-        )
+    table = evaluate(inspection, candidates, progress=progress)
     with progress.stage("Choosing the fewest settings"):
         return choose_settings(
             table,
