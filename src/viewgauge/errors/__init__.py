@@ -1,6 +1,28 @@
 """Probability laws of the error of a segment's image length. They take numbers, not geometry."""
 
+from .accuracy import Accuracy
+from .independent_total import IndependentTotalError
+from .marsaglia import MarsagliaForm, marsaglia_form
+from .normal_ratio import NormalRatio
+from .paper_form import covariance_numerator_denominator, lambdas
+from .point_displacement import PointDisplacement
+from .projected_length import projected_length, projected_length_on_axis
 from .quantization import SpatialQuantization
+from .segment_displacement import SegmentDisplacement
 from .total import TotalError
 
-__all__ = ["SpatialQuantization", "TotalError"]
+__all__ = [
+    "Accuracy",
+    "IndependentTotalError",
+    "MarsagliaForm",
+    "NormalRatio",
+    "PointDisplacement",
+    "SegmentDisplacement",
+    "SpatialQuantization",
+    "TotalError",
+    "covariance_numerator_denominator",
+    "lambdas",
+    "marsaglia_form",
+    "projected_length",
+    "projected_length_on_axis",
+]

@@ -73,6 +73,13 @@ class NormalRatio(Law):
         with np.errstate(over="ignore"):
             return x, np.asarray(x / np.where(self._scale > 0, self._scale, 1.0))
 
+    def scaled_to_mean_one(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """``A, eps, r`` such that the law is that of ``A N(0, 1) / N(1, eps)``; eps is infinite for mu = 0."""
+        s, r, m = self._standard
+        with np.errstate(divide="ignore"):
+            eps = np.where(self._scale > 0, np.where(m > 0, s / np.where(m > 0, m, 1.0), np.inf), 0.0)
+        return np.asarray(self._scale / np.where(m > 0, m, 1.0)), eps, r
+
     def pdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """Density at x (eq. 11, 12); infinite at the value of a law that has only one."""
         return np.exp(self.logpdf(x))
@@ -82,20 +89,25 @@ class NormalRatio(Law):
         x, standard = self._standardised(x)
         with np.errstate(divide="ignore"):
             value = log_density(standard, *self._standard) - np.log(self._scale)
-        return np.asarray(np.where(self._single, np.where(x == self._value, np.inf, -np.inf), value))
+        return self._unless_single(x, value, np.where(x == self._value, np.inf, -np.inf))
 
     def cdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """P(error <= x), absolute error below 1e-14."""
         x, standard = self._standardised(x)
         value = ratio_cdf(standard, *self._standard)
-        return np.asarray(np.where(self._single, np.where(x >= self._value, 1.0, 0.0), value))
+        return self._unless_single(x, value, np.where(x >= self._value, 1.0, 0.0))
 
     def sf(self, x: ArrayLike) -> NDArray[np.float64]:
         """P(error > x), computed in the tail itself: no digits are lost for large x."""
         x, standard = self._standardised(x)
         s, r, m = self._standard
         value = ratio_cdf(-standard, s, -r, m)
-        return np.asarray(np.where(self._single, np.where(x >= self._value, 0.0, 1.0), value))
+        return self._unless_single(x, value, np.where(x >= self._value, 0.0, 1.0))
+
+    def _unless_single(
+        self, x: NDArray[np.float64], value: NDArray[np.float64], single: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        return np.asarray(np.where(self._single & ~np.isnan(x), single, value))
 
     def mode(self) -> NDArray[np.float64]:
         """The most likely error: of the sign of the correlation, 0 without correlation (paper, III-B)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
@@ -9,6 +11,10 @@ from scipy.special import ndtri
 from .closed_form import central_probability, mean_absolute, total_cdf, total_pdf
 from .law import Law, require_not_negative
 from .quantization import SpatialQuantization
+
+if TYPE_CHECKING:
+    from .independent_total import IndependentTotalError
+    from .segment_displacement import SegmentDisplacement
 
 __all__ = ["TotalError"]
 
@@ -37,6 +43,11 @@ class TotalError(Law):
     def __init__(self, sigma_displacement_mm: ArrayLike, pixel_pitch_mm: ArrayLike, angle_rad: ArrayLike) -> None:
         self.sigma_displacement_mm = require_not_negative("sigma_displacement_mm", sigma_displacement_mm)
         self.quantization = SpatialQuantization(pixel_pitch_mm, angle_rad)
+
+    @staticmethod
+    def of(displacement: SegmentDisplacement, pixel_pitch_mm: ArrayLike) -> TotalError | IndependentTotalError:
+        """Total error of a displacement law of either model: closed form for joint, by series for independent."""
+        return displacement.plus_quantization(pixel_pitch_mm)
 
     @property
     def _parameters(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
