@@ -13,6 +13,7 @@ from .poses import require_poses, skew
 __all__ = ["PoseError"]
 
 _RELATIVE_PSD_TOLERANCE = 1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
+_UNDERFLOWS = 1e-150  # when squared
 
 
 @dataclass(frozen=True, eq=False)  # arrays do not compare to one truth value
@@ -106,8 +107,8 @@ def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
     # mm and rad differ by orders of magnitude: judge symmetry and eigenvalues on the correlation matrix
     scale = np.sqrt(matrix.diagonal())
     # an error without variance has no covariance either: what is more than rounding there must stand out
-    nothing = _RELATIVE_PSD_TOLERANCE * scale.max() if scale.any() else 1.0
-    scale = np.where(scale > 0, scale, nothing)
+    nothing = max(_RELATIVE_PSD_TOLERANCE * scale.max(), _UNDERFLOWS)
+    scale = np.where(scale > _UNDERFLOWS, scale, nothing)
     correlation = matrix / np.outer(scale, scale)
     if np.abs(correlation - correlation.T).max() > _RELATIVE_PSD_TOLERANCE:
         raise InputError("the covariance is not symmetric", expected="equal entries on both sides of the diagonal")

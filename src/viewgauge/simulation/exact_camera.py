@@ -40,7 +40,7 @@ def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> 
     """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
     # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
     deviations = np.sqrt(error.covariance.diagonal())
-    scale = np.where(deviations > 0, deviations, 1.0)
+    scale = np.where(deviations > 1e-150, deviations, 1.0)  # smaller underflow when squared
     values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
     twist = rng.standard_normal((draws, 6)) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * deviations
     displacement = np.zeros((draws, 4, 4))
