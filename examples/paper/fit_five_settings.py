@@ -170,10 +170,10 @@ def approximate(focal_length_mm: float, length_px: float, angle_deg: float, tilt
 def residuals(unknowns: Unknowns, focal_length_mm: float) -> NDArray[np.float64]:
     """The nine equations: probabilities, the law of ss1 and ss2, image lengths of ss2, ss4, ss5 and ss3."""
     experiment = unknowns.experiment(focal_length_mm)
-    image = experiment.image("independent")
-    near = image.sigma_displacement_mm[0] / image.sigma_displacement_mm[1] - 1
-    lengths = image.length_mm[[1, 3, 4]] / image.length_mm[2] - 1
-    return np.array([*(experiment.probability("independent") - np.array(PRINTED)), near, *lengths])
+    law = experiment.displacement_law("independent")
+    spread = law.std()
+    lengths = law.length_mm[[1, 3, 4]] / law.length_mm[2] - 1
+    return np.array([*(experiment.probability("independent") - np.array(PRINTED)), spread[0] / spread[1] - 1, *lengths])
 
 
 def solve(start: Unknowns, fixed: Collection[str], focal_length_mm: float) -> tuple[Unknowns, float]:

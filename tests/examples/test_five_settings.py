@@ -11,6 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+import viewgauge as vg
 from viewgauge.geometry import transform
 from viewgauge.simulation.exact_camera import draw_pose_errors
 
@@ -69,9 +70,17 @@ def test_printed_numbers_by_drawing_independent_end_points(script: ModuleType) -
         assert drawn == pytest.approx(setting.printed_probability, abs=0.0076), setting.name
 
 
+@pytest.mark.parametrize("model", ["independent", "joint"])
+def test_public_function_gives_the_same_probabilities(script: ModuleType, model: str) -> None:
+    experiment = script.RECONSTRUCTION
+    start, end = np.moveaxis(experiment.ends(), 1, 0)
+    public = vg.success_probability(start, end, experiment.camera, experiment.pose_error, 0.01, method=model)
+    assert public == pytest.approx(experiment.probability(model), abs=1e-4)
+
+
 def test_image_length_is_that_of_the_corrected_eq_22(script: ModuleType) -> None:
     experiment = script.RECONSTRUCTION
-    lengths = experiment.image("independent").length_mm
+    lengths = experiment.displacement_law("joint").length_mm
     for setting, length in zip(experiment.settings[:3], lengths, strict=False):
         beta, depth = np.radians(setting.inclination_deg), setting.distance_mm
         half = experiment.length_mm * np.cos(beta) / 2
