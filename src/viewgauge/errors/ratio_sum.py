@@ -22,6 +22,10 @@ __all__ = ["CDF", "CENTRAL", "DENOMINATOR", "MEAN_ABSOLUTE", "OK", "PDF", "REACH
 PDF, CDF, CENTRAL, MEAN_ABSOLUTE, REACH = range(5)
 OK, DENOMINATOR, SERIES = range(3)
 
+# Compiled code of these files is part of this one's, but numba's cache watches this file alone: a change there must
+# change this line (sha256 of closed_form.py and ratio_series.py; a test compares).
+_INLINED = "fbd7ab38d84102ce"
+
 _WIDE = 8.0  # a half-width of Q in standard deviations of the displacement above which Q is integrated exactly
 _NEGLIGIBLE = 1e-100
 _PIECE = 4.0
@@ -98,15 +102,20 @@ def _one_value(kind: int, x: float, a: float, b: float, period: float, phi: Any,
         return math.nan
     if phi.shape[1] == 0:  # no displacement
         if kind == CENTRAL:
-            return max(_quantized(CDF, x, a, b) - _quantized(CDF, -x, a, b), 0.0) if x >= 0.0 else 0.0
+            if x < 0.0:
+                return 0.0
+            return 1.0 if a == 0.0 else max(1.0 - 2.0 * _quantized(CDF, -x, a, b), 0.0)
         return _quantized(kind, x, a, b)
     if not exact:
         return _series(kind, x, period, phi)
-    if kind != CENTRAL:
-        return _integrated(kind, x, a, b, period, phi)
-    if x < 0.0:
-        return 0.0
-    return max(_integrated(CDF, x, a, b, period, phi) - _integrated(CDF, -x, a, b, period, phi), 0.0)
+    if kind == CENTRAL:
+        if x < 0.0:
+            return 0.0
+        value = _integrated(CDF, x, a, b, period, phi) - _integrated(CDF, -x, a, b, period, phi)
+    else:
+        value = _integrated(kind, x, a, b, period, phi)
+    value = max(value, 0.0)
+    return min(value, 1.0) if kind in (CDF, CENTRAL) else value
 
 
 @_compiled

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import TotalError
+from ..errors import IndependentTotalError, SegmentDisplacement, TotalError
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, point_jacobian
 
@@ -28,16 +28,49 @@ class SegmentImage:
     angle_rad
         Direction gamma of the image from +u, rad.
     sigma_displacement_mm
-        Standard deviation of the length error that the pose error causes, mm on the image.
+        Standard deviation of the length error that the pose error causes, mm on the image, at first order.
+    independent
+        The paper's law of that error (eq. 15-17), in place of the normal one; of a dummy where an end is not in front.
     """
 
     length_mm: NDArray[np.float64]
     angle_rad: NDArray[np.float64]
     sigma_displacement_mm: NDArray[np.float64]
+    independent: SegmentDisplacement | None = None
 
-    def total_error(self, camera: Camera) -> TotalError:
+    def total_error(self, camera: Camera) -> TotalError | IndependentTotalError:
         """Law of the total length error (eq. 18-19), mm on the image."""
-        return TotalError(self.sigma_displacement_mm, camera.quantization_step_mm, self.angle_rad)
+        if self.independent is not None:
+            return self.independent.plus_quantization(camera.quantization_step_mm)
+        return self._first_order(camera)
+
+    def success_probability(self, camera: Camera, relative_tolerance: ArrayLike) -> NDArray[np.float64]:
+        """Pr{Accuracy >= 1 - T} (eq. 20); 0 where an end is not in front of the camera.
+
+        Where the independent law has no value (depth known to worse than 14 %), the first-order normal one's.
+        """
+        allowed = np.where(self._imaged, np.asarray(relative_tolerance, dtype=float) * self.length_mm, 0.0)
+        value = self._first_order(camera).central_probability(allowed)
+        if self.independent is not None:
+            exact = self.total_error(camera).central_probability(allowed)
+            value = np.where(np.isnan(exact), value, exact)
+        return np.where(self._imaged, value, 0.0)
+
+    def mean_absolute_error(self, camera: Camera) -> NDArray[np.float64]:
+        """E|error|, mm on the image; NaN where an end is not in front. As :meth:`success_probability`."""
+        value = self._first_order(camera).mean_absolute()
+        if self.independent is not None:
+            exact = self.total_error(camera).mean_absolute()
+            value = np.where(np.isnan(exact), value, exact)
+        return np.where(self._imaged, value, np.nan)
+
+    @property
+    def _imaged(self) -> NDArray[np.bool_]:
+        return ~np.isnan(self.length_mm)
+
+    def _first_order(self, camera: Camera) -> TotalError:
+        sigma, angle = (np.where(self._imaged, v, 0.0) for v in (self.sigma_displacement_mm, self.angle_rad))
+        return TotalError(sigma, camera.quantization_step_mm, angle)
 
 
 def image_segment(
@@ -47,8 +80,7 @@ def image_segment(
 
     "joint": both ends move with the same pose error, ``sigma² = J Sigma J^T`` with
     ``J = cos g (J_u2 - J_u1) + sin g (J_v2 - J_v1)``. "independent": the four end-point errors are taken as
-    independent, as in eq. 15-17, each at first order (normal); an upper bound, by a factor of 13 to 25 in
-    ordinary set-ups.
+    independent ratios of normals, as in eq. 15-17; an upper bound, by a factor of 13 to 25 in ordinary set-ups.
 
     Parameters
     ----------
@@ -65,16 +97,21 @@ def image_segment(
     direction = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     J = point_jacobian(points, camera.focal_length_mm)
     covariance = error.camera_covariance
+    independent = None
     if method == "joint":
         J_length = np.einsum("...k,...kp->...p", direction, J[..., 1, :, :] - J[..., 0, :, :])
         variance = np.einsum("...p,pq,...q->...", J_length, covariance, J_length)
     elif method == "independent":
         point_variance = np.einsum("...p,pq,...q->...", J, covariance, J)
         variance = (direction**2 * point_variance.sum(axis=-2)).sum(axis=-1)
+        independent = SegmentDisplacement.independent(
+            points[..., 0, :], points[..., 1, :], camera.focal_length_mm, covariance
+        )
     else:
         raise InputError("unknown method", key="method", got=method, expected="joint or independent")
     sigma = np.sqrt(np.maximum(variance, 0.0))
-    return SegmentImage(*(np.where(in_front, value, np.nan) for value in (length, angle, sigma)))
+    length, angle, sigma = (np.where(in_front, value, np.nan) for value in (length, angle, sigma))
+    return SegmentImage(length, angle, sigma, independent)
 
 
 def success_probability(
@@ -106,9 +143,4 @@ def success_probability(
         if not np.isfinite(point).all():
             raise InputError("must be finite points, mm, camera frame", key=name, got=point)
     image = image_segment(start, end, camera, error, method)
-    imaged = ~np.isnan(image.length_mm)
-    safe = SegmentImage(
-        *(np.where(imaged, v, 0.0) for v in (image.length_mm, image.angle_rad, image.sigma_displacement_mm))
-    )
-    probability = safe.total_error(camera).central_probability(tolerance * safe.length_mm)
-    return np.where(imaged, probability, 0.0)
+    return image.success_probability(camera, tolerance)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..errors import SpatialQuantization
 from ..geometry import Camera, PoseError
 from ..part import Dimension, Mesh
 from ..part.gauge_table import GaugeTable
@@ -135,7 +136,7 @@ def _evaluate_gauges(
     setting, gauge = np.nonzero(observation.visible)
     points = observation.points_camera[setting, gauge]
     image = image_segment(points[:, 0], points[:, 1], camera, error, method)
-    law = image.total_error(camera)
+    quantization = SpatialQuantization(camera.quantization_step_mm, image.angle_rad)
     direction = np.stack([np.cos(image.angle_rad), np.sin(image.angle_rad)], axis=-1)
     per_mm = np.linalg.norm(direction / np.asarray(camera.pixel_pitch_mm), axis=-1)  # px per mm along the segment
 
@@ -149,9 +150,9 @@ def _evaluate_gauges(
         length_px=observation.length_px,
         angle_rad=_angles(observation.points_camera, camera),
         sigma_displacement_px=spread(image.sigma_displacement_mm * per_mm, np.nan),
-        sigma_quantization_px=spread(law.quantization.std() * per_mm, np.nan),
-        probability=spread(law.central_probability(tolerance[gauge] * image.length_mm), 0.0),
-        expected_accuracy=spread(_expected_accuracy(image, law.mean_absolute()), 0.0),
+        sigma_quantization_px=spread(quantization.std() * per_mm, np.nan),
+        probability=spread(image.success_probability(camera, tolerance[gauge]), 0.0),
+        expected_accuracy=spread(_expected_accuracy(image, image.mean_absolute_error(camera)), 0.0),
     )
 
 
