@@ -341,7 +341,7 @@ def relations_of_laws(experiment: Experiment, rows: list[Row]) -> list[Relation]
     deviations = [row.independent - row.setting.printed_probability for row in rows]
     return [
         Relation(
-            "all: same quantization law (same |gamma|)",
+            "all: same quantization law (same angle to the pixel rows)",
             float(np.ptp(angle)) < 1e-6,
             numbers(".2f", angle.tolist()) + " deg",
         ),

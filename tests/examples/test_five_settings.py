@@ -75,7 +75,7 @@ def test_public_function_gives_the_same_probabilities(script: ModuleType, model:
     experiment = script.RECONSTRUCTION
     start, end = np.moveaxis(experiment.ends(), 1, 0)
     public = vg.success_probability(start, end, experiment.camera, experiment.pose_error, 0.01, method=model)
-    assert public == pytest.approx(experiment.probability(model), abs=1e-4)
+    assert public == pytest.approx(experiment.probability(model), abs=1e-9)
 
 
 def test_image_length_is_that_of_the_corrected_eq_22(script: ModuleType) -> None:
