@@ -2,16 +2,12 @@
 
 import itertools
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from scipy import stats
 from scipy.integrate import quad
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import viewgauge as vg
 from strategies import angles, probabilities, scales

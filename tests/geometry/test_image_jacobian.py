@@ -1,15 +1,11 @@
 """The first-order effect of a pose error on image points, against two independent derivations."""
 
 import math
-import sys
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import viewgauge as vg
 from strategies import points_in_front, pose_covariances

@@ -1,14 +1,10 @@
 """The pose error: which covariances are taken, and how it acts at the camera."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import viewgauge as vg
 from strategies import points_in_front, pose_covariances, rigid_poses

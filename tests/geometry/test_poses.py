@@ -1,15 +1,11 @@
 """Poses: look-at, quaternions, transforms."""
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import viewgauge as vg
 from strategies import quaternions, rigid_poses
