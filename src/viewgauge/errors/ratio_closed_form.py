@@ -71,7 +71,7 @@ def ratio_cdf(x: _Array, s: _Array, r: _Array, m: _Array) -> _Array:
     x = np.where(infinite, 0.0, x)
     q, _, g2, e, _ = _shape_terms(x, s, r, m)
     right = x >= 0
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         slope = -g2 / (s * q * x)
         # g_2 = 0 leaves no angle; 1/0 is infinite with the sign that the limit from x -> 0 has
         slope = np.where(g2 == 0, 0.0, np.where(s * q * x == 0, np.where(right, -1, 1) * np.sign(g2) * np.inf, slope))
@@ -103,9 +103,12 @@ def mode(s: _Array, r: _Array, m: _Array) -> _Array:
     best = log_density(grid, s[:, None], r[:, None], m[:, None]).argmax(axis=1).clip(1, grid.shape[1] - 2)
     rows = np.arange(len(s))
     low, high = best - 1, best + 1
-    for _ in range(4):  # the two grids share points
-        low = np.where((grid[rows, low] == grid[rows, best]) & (low > 0), low - 1, low)
-        high = np.where((grid[rows, high] == grid[rows, best]) & (high < grid.shape[1] - 1), high + 1, high)
+    for _ in range(grid.shape[1]):  # a top that is flat to rounding: out to where the slope has a sign
+        rises = (_score(grid[rows, low], s, r, m) <= 0) & (low > 0)
+        falls = (_score(grid[rows, high], s, r, m) >= 0) & (high < grid.shape[1] - 1)
+        if not (rises | falls).any():
+            break
+        low, high = low - rises, high + falls
     found = find_root(
         _score,
         (grid[rows, low], grid[rows, high]),
