@@ -433,7 +433,10 @@ def test_nothing_on_stderr_in_a_pipe_and_names_that_the_terminal_cannot_show():
 def test_progress_is_shown_on_a_terminal():
     import pty
 
-    ours, theirs = pty.openpty()
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as error:
+        pytest.skip(f"no pseudo-terminal can be opened here: {error}")
     running = process("plan", "inspection.yaml", "-o", "out", "--json", stderr=theirs)
     os.close(theirs)
     seen = b""
@@ -464,7 +467,8 @@ def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
     # many candidates, so that the plan is not done when the signal comes; it is sent once planning has begun
     write(candidates="{directions: 20000, rolls: 8, distances: 10}")
     code = (
-        "import sys, viewgauge.workflow as w\n"
+        "import signal, sys, viewgauge.workflow as w\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a test run in the background ignores it
         "real = w.plan\n"
         "def plan(*a, **k):\n    print('begun', flush=True)\n    return real(*a, **k)\n"
         "w.plan = plan\n"
