@@ -43,11 +43,12 @@ def plan_document(plan: Plan, requirement: Requirement, inputs: Mapping[str, str
 
 
 def _dimension_document(dimension: PlannedDimension) -> dict[str, Any]:
+    is_length = dimension.kind != "angle"  # whose values are rad
     return {
         "id": dimension.id,
         "kind": dimension.kind,
-        "nominal_mm": _number(dimension.nominal_mm),
-        "tolerance_mm": list(dimension.tolerance_mm) if dimension.tolerance_mm else None,
+        "nominal_mm": _number(dimension.nominal_mm) if is_length else None,
+        "tolerance_mm": list(dimension.tolerance_mm) if dimension.tolerance_mm and is_length else None,
         "allowed_error_mm": _number(dimension.allowed_error_mm),
         "status": dimension.status,
         "probability": dimension.probability,

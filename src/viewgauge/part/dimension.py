@@ -72,7 +72,7 @@ class Dimension:
 
 @dataclass(frozen=True)
 class Unusable:
-    """A dimension that was read but cannot be measured, and why."""
+    """A dimension that was read but cannot be measured, and why. Values are rad where ``kind`` is "angle"."""
 
     id: str
     kind: str

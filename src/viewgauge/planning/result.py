@@ -28,6 +28,8 @@ class PlannedDimension:
 
     Parameters
     ----------
+    nominal_mm, tolerance_mm
+        In mm, but rad where ``kind`` is "angle" (which is never measurable).
     status
         "met"; "unmet" (no candidate reaches the required probability); "not_measurable" (no gauge could be
         made, or it has no tolerance where the requirement needs one).

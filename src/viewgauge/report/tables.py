@@ -42,6 +42,14 @@ def _quantity(value: float, kind: str) -> str:
     return f"{length(math.degrees(value))}°" if kind == "angle" and math.isfinite(value) else length(value)
 
 
+def _tolerance(dimension: PlannedDimension) -> str:
+    """A tolerance in the unit of the nominal value."""
+    if dimension.kind != "angle" or dimension.tolerance_mm is None:
+        return tolerance(dimension.tolerance_mm)
+    lower, upper = dimension.tolerance_mm
+    return f"{tolerance((math.degrees(lower), math.degrees(upper)))}°"
+
+
 def _share(value: float) -> str:
     """A probability or an accuracy, with all its digits for the pointer."""
     if math.isnan(value):
@@ -56,7 +64,7 @@ def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> s
         element("th", dimension.id, scope="row"),
         element("td", dimension.kind),
         element("td", _quantity(dimension.nominal_mm, dimension.kind), class_="num"),
-        element("td", tolerance(dimension.tolerance_mm), class_="num"),
+        element("td", _tolerance(dimension), class_="num"),
         element("td", length(dimension.allowed_error_mm), class_="num"),
         element("td", markup=element("span", STATUS_WORDS[dimension.status], class_=f"status {dimension.status}")),
         _share(surely),

@@ -40,7 +40,7 @@ def check(inspection: Inspection) -> dict[str, Any]:
             {
                 "id": entry.id,
                 "kind": entry.kind,
-                "tolerance_mm": list(entry.tolerance_mm) if entry.tolerance_mm else None,
+                "tolerance_mm": list(entry.tolerance_mm) if entry.tolerance_mm and entry.kind != "angle" else None,
                 "reason": entry.reason,
             }
             for entry in (*inspection.part.unusable, *refused)
