@@ -116,8 +116,8 @@ def mode(s: _Array, r: _Array, m: _Array) -> _Array:
         tolerances={"xrtol": 1e-15, "fatol": 0.0, "xatol": 0.0, "frtol": 0.0},
         maxiter=300,
     )
-    value = np.where(found.success, found.x, grid[rows, best])
-    return np.asarray(np.where(r == 0, 0.0, value))
+    value = np.where(np.isfinite(found.x), found.x, grid[rows, best])
+    return np.asarray(np.where(np.sign(value) == np.sign(r), value, 0.0))
 
 
 def practical_moments(s: _Array, r: _Array, m: _Array) -> tuple[_Array, _Array]:

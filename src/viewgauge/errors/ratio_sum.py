@@ -75,8 +75,10 @@ def _quantized(kind: int, x: float, a: float, b: float) -> Any:
 
 
 @_compiled
-def _integrated(kind: int, x: float, a: float, b: float, period: float, phi: Any) -> float:
+def _integrated(kind: int, x: float, a: float, b: float, period: float, phi: Any) -> Any:
     """E of :func:`_quantized` at x - D, D with Fourier coefficients phi: smooth between the kinks of Q."""
+    if kind != MEAN_ABSOLUTE and abs(x) >= period + a + b:
+        return 1.0 if kind == CDF and x > 0.0 else 0.0
     cuts = np.full(11, period)
     cuts[0] = -period
     for i in range(-1, 2):
