@@ -9,13 +9,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 from scipy.stats import beta
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, invert, transform
 
-__all__ = ["Estimate", "draw_pose_errors", "estimate_success_probability", "simulate_length_errors"]
+__all__ = [
+    "Estimate",
+    "draw_pose_errors",
+    "estimate_success_probability",
+    "exact_length_errors",
+    "nominal_length",
+    "require_points",
+    "simulate_length_errors",
+    "twist_factor",
+]
 
 
 @dataclass(frozen=True)
@@ -38,16 +46,83 @@ class Estimate:
 
 def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
+    rotations, shifts = _displacements(rng.standard_normal((draws, 6)) @ twist_factor(error).T)
+    displacement = np.zeros((draws, 4, 4))
+    displacement[:, :3, :3] = np.moveaxis(rotations, -1, 0)
+    displacement[:, :3, 3] = shifts.T
+    displacement[:, 3, 3] = 1.0
+    return displacement
+
+
+def twist_factor(error: PoseError) -> NDArray[np.float64]:
+    """A ``(6, 6)`` with ``A A^T`` the covariance: A z is a pose error [x, y, z, rx, ry, rz], mm and rad, head frame."""
     # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
     deviations = np.sqrt(error.covariance.diagonal())
     scale = np.where(deviations > 1e-150, deviations, 1.0)  # smaller underflow when squared
     values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
-    twist = rng.standard_normal((draws, 6)) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * deviations
-    displacement = np.zeros((draws, 4, 4))
-    displacement[:, :3, :3] = Rotation.from_euler("XYZ", twist[:, 3:]).as_matrix()
-    displacement[:, :3, 3] = twist[:, :3]
-    displacement[:, 3, 3] = 1.0
-    return displacement
+    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _displacements(twist: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rotations ``(3, 3, n)``, Rot_x Rot_y Rot_z, and shifts ``(3, n)`` mm of pose errors ``(n, 6)``."""
+    (sx, sy, sz), (cx, cy, cz) = np.sin(twist[:, 3:].T), np.cos(twist[:, 3:].T)
+    rotation = np.empty((3, 3, len(twist)))
+    rotation[0] = cy * cz, -cy * sz, sy
+    rotation[1] = cx * sz + sx * sy * cz, cx * cz - sx * sy * sz, -sx * cy
+    rotation[2] = sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy
+    return rotation, twist[:, :3].T
+
+
+def exact_length_errors(
+    points: NDArray[np.float64],
+    camera: Camera,
+    error: PoseError,
+    twist: NDArray[np.float64],
+    quantization: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Measured less nominal image length for given errors, ``(n,)`` mm: all that every estimate here rests on.
+
+    A pose error moves both ends by the same rigid motion, they are projected, quantization errors are added, and
+    the euclidean length is taken. NaN where an end is carried behind the camera.
+
+    Parameters
+    ----------
+    points
+        ``(2, 3)`` mm, camera frame, in front of the camera.
+    twist
+        ``(n, 6)`` pose errors [x, y, z, rx, ry, rz], mm and rad, head frame.
+    quantization
+        ``(n, 2)``: the end's less the start's location error along u and v, in quantization steps.
+    """
+    assert error.T_camera_head is not None  # set by PoseError
+    orientation, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
+    rotation, shift = _displacements(twist)
+    shifted = orientation @ shift + origin[:, None]
+    turned = (orientation @ rotation.reshape(3, -1)).reshape(3, 3, -1)
+    ends = transform(invert(error.T_camera_head), points)
+    images = []
+    for end in ends:
+        x, y, z = turned[:, 0] * end[0] + turned[:, 1] * end[1] + turned[:, 2] * end[2] + shifted
+        with np.errstate(divide="ignore"):
+            magnification = np.where(z > 0, camera.focal_length_mm / z, np.nan)
+        images.append((x * magnification, y * magnification))
+    (u1, v1), (u2, v2) = images
+    step_u, step_v = camera.quantization_step_mm
+    delta_u, delta_v = u2 - u1 + step_u * quantization[:, 0], v2 - v1 + step_v * quantization[:, 1]
+    return np.asarray(np.sqrt(delta_u * delta_u + delta_v * delta_v) - nominal_length(points, camera))
+
+
+def nominal_length(points: NDArray[np.float64], camera: Camera) -> float:
+    """Image length of ``(2, 3)`` mm points, camera frame, without any error, mm."""
+    return float(np.linalg.norm(np.diff(camera.project(points), axis=0)))
+
+
+def require_points(start: ArrayLike, end: ArrayLike) -> NDArray[np.float64]:
+    """Both ends ``(..., 2, 3)`` mm, or InputError unless they are finite and in front of the camera."""
+    points = np.stack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)], axis=-2)
+    if points.shape[-2:] != (2, 3) or not np.isfinite(points).all() or (points[..., 2] <= 0).any():
+        raise InputError("start and end must be finite points in front of the camera", got=points.tolist())
+    return points
 
 
 def simulate_length_errors(
@@ -69,17 +144,12 @@ def simulate_length_errors(
     start, end
         ``(3,)`` mm, camera frame.
     """
-    points = np.stack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)])
-    if points.shape != (2, 3) or not np.isfinite(points).all() or (points[:, 2] <= 0).any():
-        raise InputError("start and end must be finite points in front of the camera", got=points.tolist())
-    assert error.T_camera_head is not None  # set by PoseError
-    displaced_head = transform(
-        draw_pose_errors(error, draws, rng)[:, None], transform(invert(error.T_camera_head), points)
-    )
-    image = camera.project(transform(error.T_camera_head, displaced_head))
-    image = image + (rng.random(image.shape) - 0.5) * np.asarray(camera.quantization_step_mm)
-    nominal = np.linalg.norm(np.diff(camera.project(points), axis=0))
-    return np.asarray(np.linalg.norm(image[:, 1] - image[:, 0], axis=-1) - nominal)
+    points = require_points(start, end)
+    if points.shape != (2, 3):
+        raise InputError("one segment at a time: start and end are points in front of the camera", got=points.shape)
+    twist = rng.standard_normal((draws, 6)) @ twist_factor(error).T
+    located = rng.random((draws, 2, 2)) - 0.5
+    return exact_length_errors(points, camera, error, twist, located[:, 1] - located[:, 0])
 
 
 def estimate_success_probability(
