@@ -84,7 +84,7 @@ def test_the_contract(table):
         "sigma_quantization_px, probability, expected_accuracy, accepted"
     )
     assert list(COLUMNS) == contract.split(", ")
-    assert set(table.data_vars) == {*COLUMNS, "gauge"}
+    assert set(table.data_vars) == {*COLUMNS, "gauge", "validity"}
     for name in table.data_vars:
         assert table[name].dims == ("setting", "dimension")
     assert table["setting"].values.tolist() == [f"C{k}" for k in range(400)]

@@ -99,7 +99,7 @@ def _evaluate(
     settings: Path | None = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     method: Literal["joint", "independent", "monte-carlo"] = "joint",
-    draws: Annotated[int, Parameter(converter=_whole_number)] = 100_000,
+    precision: float = 1e-3,
     part: _Part = None,
     json: _Json = False,
 ) -> int:
@@ -116,8 +116,8 @@ def _evaluate(
     method
         The error model: joint (both ends of a dimension share the pose error), independent (the 1998 paper's),
         or monte-carlo (the exact camera).
-    draws
-        Draws for each pair with monte-carlo.
+    precision
+        With monte-carlo: half-width of the 99 % confidence interval of each probability.
     """
     from .. import workflow
 
@@ -127,7 +127,7 @@ def _evaluate(
     with workflow.output_folder(output.parent) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
             inspection = workflow.load(file, part=part)
-        table = workflow.evaluate(inspection, settings, method=method, draws=draws, progress=bars)
+        table = workflow.evaluate(inspection, settings, method=method, precision=precision, progress=bars)
         if output is not None:
             workflow.write_evaluation(table, output)
     best = workflow.best_of_each(table)

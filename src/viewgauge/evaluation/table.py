@@ -10,12 +10,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..errors import SpatialQuantization
-from ..geometry import Camera, PoseError
+from ..geometry import Camera, PoseError, invert, transform
 from ..part import Dimension, Mesh
 from ..part.gauge_table import GaugeTable
 from ..visibility import REASONS, ObservationLimits, Occluder, observe
 from .requirement import Requirement
 from .segment import FirstOrderMethod, SegmentImage, image_segment
+from .validity import WARNINGS, validity
 
 __all__ = ["COLUMNS", "evaluate_settings"]
 
@@ -78,10 +79,12 @@ def evaluate_settings(
 
     Returns
     -------
-    A dataset over (setting, dimension) with the variables of :data:`COLUMNS` and ``gauge`` (index of the best
-    gauge of the dimension: the surest visible one, else the one that fails at the latest condition), and with
-    the coordinates ``nominal_mm`` and ``allowed_error_mm`` of the dimensions. A pair that is not visible has
-    probability and expected accuracy 0. Probabilities refer to |measured - nominal| <= allowed error.
+    A dataset over (setting, dimension) with the variables of :data:`COLUMNS`, ``gauge`` (index of the best gauge
+    of the dimension: the surest visible one, else the one that fails at the latest condition) and ``validity``
+    (why the first-order probability is doubtful, :func:`~viewgauge.evaluation.validity`; "" where it is not, or
+    nothing is visible), and with the coordinates ``nominal_mm`` and ``allowed_error_mm`` of the dimensions. A pair
+    that is not visible has probability and expected accuracy 0. Probabilities refer to |measured - nominal| <=
+    allowed error.
     """
     gauges = GaugeTable.of(dimensions)
     allowed = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
@@ -93,18 +96,21 @@ def evaluate_settings(
     for first in range(0, len(T_part_camera), step):
         poses = T_part_camera[first : first + step]
         values = _evaluate_gauges(poses, gauges, tolerance, camera, error, occluder, limits, method)
-        chunks.append(_best_gauges(values, gauges, tolerance))
+        chunk = _best_gauges(values, gauges, tolerance)
+        chunk["validity"] = _validity(poses, chunk, gauges, camera, error)
+        chunks.append(chunk)
         if progress:
             progress(len(poses))
     columns = {
         name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros((0, len(dimensions)))
-        for name in ("reason", *COLUMNS[2:9], "gauge")
+        for name in ("reason", *COLUMNS[2:9], "gauge", "validity")
     }
     reason = np.array(REASONS, dtype=object)[columns.pop("reason").astype(int)]
+    columns["validity"] = np.array(["", *WARNINGS], dtype=object)[columns["validity"].astype(int)]
     data = {"visible": reason == "", "reason": reason, **columns}
     data["accepted"] = data["visible"] & (data["probability"] >= requirement.probability)
     return xr.Dataset(
-        {name: (("setting", "dimension"), data[name]) for name in (*COLUMNS, "gauge")},
+        {name: (("setting", "dimension"), data[name]) for name in (*COLUMNS, "gauge", "validity")},
         coords={
             "setting": ("setting", list(setting_ids)),
             "dimension": ("dimension", [dimension.id for dimension in dimensions]),
@@ -199,3 +205,22 @@ def _best_gauges(values: _Chunk, gauges: GaugeTable, tolerance: NDArray[np.float
         "expected_accuracy": take(values.expected_accuracy),
         "gauge": best - gauges.first,
     }
+
+
+def _validity(
+    T_part_camera: NDArray[np.float64],
+    chunk: dict[str, NDArray[np.generic]],
+    gauges: GaugeTable,
+    camera: Camera,
+    error: PoseError,
+) -> NDArray[np.int8]:
+    """For each setting and dimension 0, or one more than the index of the warning that its visible gauge gives."""
+    codes = np.zeros(chunk["reason"].shape, dtype=np.int8)
+    setting, dimension = np.nonzero(chunk["reason"] == len(REASONS) - 1)
+    gauge = gauges.first[dimension] + np.asarray(chunk["gauge"][setting, dimension], dtype=np.int64)
+    points = transform(invert(T_part_camera[setting])[:, None], gauges.points[gauge].reshape(-1, 2, 3))
+    tolerance = np.asarray(chunk["relative_tolerance"][setting, dimension], dtype=float)
+    names = validity(points[:, 0], points[:, 1], camera, error, tolerance)
+    for code, name in enumerate(WARNINGS, start=1):
+        codes[setting[names == name], dimension[names == name]] = code
+    return codes

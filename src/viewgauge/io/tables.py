@@ -58,7 +58,8 @@ def _write_zarr(table: xr.Dataset, path: Path) -> None:
     except ImportError as error:
         raise _missing(path, "zarr") from error
     # format 2: format 3 has no settled way to store text, and warns of it
-    table.assign(reason=table["reason"].astype(str)).to_zarr(path, mode="w", consolidated=False, zarr_format=2)
+    texts = {name: table[name].astype(str) for name in ("reason", "validity") if name in table}
+    table.assign(texts).to_zarr(path, mode="w", consolidated=False, zarr_format=2)
 
 
 def _missing(path: str | PathLike[str], library: str) -> InputError:

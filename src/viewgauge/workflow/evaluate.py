@@ -16,7 +16,7 @@ from ..geometry import Camera, PoseError, invert, require_poses, transform
 from ..io.settings import read_settings
 from ..part import Dimension
 from ..planning import without_allowed_error
-from ..simulation import estimate_success_probability, simulate_length_errors
+from ..simulation import estimate_success_probabilities, require_precision
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
@@ -24,8 +24,9 @@ __all__ = ["Method", "best_of_each", "evaluate", "success_probability"]
 
 Method = Literal["joint", "independent", "monte-carlo"]
 
-DEFAULT_DRAWS = 100_000
-_DRAWS_PER_BLOCK = 250_000  # bounds the memory of a block to about 100 MB
+DEFAULT_PRECISION = 1e-3
+CONFIDENCE = 0.99  # of the intervals of "monte-carlo"
+_PAIRS_PER_CHUNK = 500  # between two signs of progress
 
 
 def evaluate(
@@ -33,7 +34,7 @@ def evaluate(
     settings: ExplicitSettings | str | PathLike[str] | ArrayLike | None = None,
     *,
     method: Method = "joint",
-    draws: int = DEFAULT_DRAWS,
+    precision: float = DEFAULT_PRECISION,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """The table setting x dimension.
@@ -45,20 +46,23 @@ def evaluate(
         file names.
     method
         "joint" (both ends share the pose error, the default), "independent" (the paper's), or "monte-carlo" (the
-        exact camera by ``draws`` draws for each visible pair).
+        exact camera by randomised quasi-Monte Carlo, for each visible pair).
+    precision
+        With "monte-carlo": half-width of the 99 % confidence interval of each probability.
 
     Returns
     -------
     Dataset over (setting, dimension) with the columns ``visible, reason, image_length_px, angle_rad,
     relative_tolerance, sigma_displacement_px, sigma_quantization_px, probability, expected_accuracy, accepted``
-    and ``gauge``, the index of the best gauge.
+    and ``gauge``, the index of the best gauge, and ``validity``, what makes the first-order probability doubtful;
+    with "monte-carlo" also the confidence interval ``probability_low, probability_high``.
     """
     progress = progress or Silent()
     chosen = _settings(inspection, settings)
     dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     if method not in ("joint", "independent", "monte-carlo"):
         raise InputError("unknown method", key="method", got=method, expected="joint, independent or monte-carlo")
-    _require_draws(draws)
+    require_precision(precision)
     with progress.stage(f"Evaluating {len(chosen.ids)} settings", len(chosen.ids)) as advance:
         table = evaluate_settings(
             chosen.T_part_camera,
@@ -73,7 +77,7 @@ def evaluate(
             advance,
         )
     if method == "monte-carlo":
-        table = _simulated(table, chosen.T_part_camera, dimensions, inspection, draws, progress)
+        table = _simulated(table, chosen.T_part_camera, dimensions, inspection, precision, progress)
     return table
 
 
@@ -96,45 +100,45 @@ def _settings(
     return ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
 
 
-def _require_draws(draws: int) -> None:
-    if draws < 1:
-        raise InputError("the number of draws must be at least 1", key="draws", got=draws)
-
-
 def _simulated(
     table: xr.Dataset,
     T_part_camera: NDArray[np.float64],
     dimensions: tuple[Dimension, ...],
     inspection: Inspection,
-    draws: int,
+    precision: float,
     progress: Progress,
 ) -> xr.Dataset:
-    """The table with probability and expected accuracy of visible pairs drawn with the exact camera."""
-    probability, accuracy = (table[name].values.copy() for name in ("probability", "expected_accuracy"))
-    pairs = np.argwhere(table["visible"].values)
-    camera = inspection.camera
-    with progress.stage(f"Drawing {draws} times for {len(pairs)} pairs", len(pairs)) as advance:
-        for pair, (k, j) in enumerate(pairs):
-            gauge = dimensions[j].gauges[int(table["gauge"].values[k, j])]
-            ends = transform(invert(T_part_camera[k]), np.stack([gauge.start, gauge.end]))
-            # every pair has its own stream, so that a value does not depend on which other pairs there are
-            rng = np.random.default_rng((inspection.seed, pair))
-            length = float(np.linalg.norm(np.diff(camera.project(ends), axis=0)))
-            allowed = table["relative_tolerance"].values[k, j] * length
-            right, relative = 0, 0.0
-            for done in range(0, draws, _DRAWS_PER_BLOCK):
-                count = min(_DRAWS_PER_BLOCK, draws - done)
-                errors = np.abs(simulate_length_errors(ends[0], ends[1], camera, inspection.head, count, rng))
-                errors[np.isnan(errors)] = np.inf
-                right += int((errors <= allowed).sum())
-                relative += float(np.maximum(length - errors, 0.0).sum())
-            probability[k, j] = right / draws
-            accuracy[k, j] = relative / (draws * length) if length > 0 else 0.0
-            advance(1)
-    accepted = table["visible"].values & (probability >= inspection.requirement.probability)
+    """The table with probability, its interval, and expected accuracy of visible pairs by the exact camera."""
     over = ("setting", "dimension")
+    probability, accuracy = (table[name].values.copy() for name in ("probability", "expected_accuracy"))
+    low, high = probability * 0, probability * 0
+    pairs = np.argwhere(table["visible"].values)
+    with progress.stage(f"Simulating {len(pairs)} pairs to {precision:g}", len(pairs)) as advance:
+        for first in range(0, len(pairs), _PAIRS_PER_CHUNK):
+            setting, dimension = pairs[first : first + _PAIRS_PER_CHUNK].T
+            gauges = [
+                dimensions[j].gauges[table["gauge"].values[k, j]] for k, j in zip(setting, dimension, strict=True)
+            ]
+            ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
+            points = transform(invert(T_part_camera[setting])[:, None], ends)
+            estimates = estimate_success_probabilities(
+                points[:, 0],
+                points[:, 1],
+                inspection.camera,
+                inspection.head,
+                table["relative_tolerance"].values[setting, dimension],
+                precision=precision,
+                confidence=CONFIDENCE,
+                seed=inspection.seed,
+            )
+            probability[setting, dimension] = estimates.probability
+            accuracy[setting, dimension] = estimates.expected_accuracy
+            low[setting, dimension], high[setting, dimension] = estimates.low, estimates.high
+            advance(len(gauges))
+    accepted = table["visible"].values & (probability >= inspection.requirement.probability)
     table = table.assign(probability=(over, probability), expected_accuracy=(over, accuracy), accepted=(over, accepted))
-    return table.assign_attrs(method="monte-carlo", draws=draws)
+    table = table.assign(probability_low=(over, low), probability_high=(over, high))
+    return table.assign_attrs(method="monte-carlo", precision=precision, confidence=CONFIDENCE)
 
 
 def success_probability(
@@ -145,8 +149,8 @@ def success_probability(
     relative_tolerance: ArrayLike,
     method: Method = "joint",
     *,
-    draws: int = DEFAULT_DRAWS,
-    rng: np.random.Generator | int | None = 0,
+    precision: float = DEFAULT_PRECISION,
+    seed: int = 0,
 ) -> NDArray[np.float64]:
     """Pr{|measured - nominal image length| <= T L} of segments (paper, eq. 20); arguments broadcast.
 
@@ -157,20 +161,29 @@ def success_probability(
     relative_tolerance
         T = 1 - required accuracy.
     method
-        "joint", "independent", or "monte-carlo" (the exact camera, ``draws`` draws for each segment).
+        "joint", "independent", or "monte-carlo" (the exact camera).
+    precision, seed
+        With "monte-carlo": half-width of the 99 % confidence interval, and the seed of the draws.
     """
     if method != "monte-carlo":
         return first_order_probability(start, end, camera, error, relative_tolerance, method)
-    _require_draws(draws)
-    generator = np.random.default_rng(rng)
+    require_precision(precision)
     tolerance = np.asarray(relative_tolerance, dtype=float)
     start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
     shape = np.broadcast_shapes(start.shape[:-1], tolerance.shape)
     starts, ends = (np.broadcast_to(p, (*shape, 3)).reshape(-1, 3) for p in (start, end))
+    seen = (starts[:, 2] > 0) & (ends[:, 2] > 0)
     result = np.zeros(len(starts))
-    for k, (p, q, t) in enumerate(zip(starts, ends, np.broadcast_to(tolerance, shape).ravel(), strict=True)):
-        if p[2] > 0 and q[2] > 0:
-            result[k] = estimate_success_probability(p, q, camera, error, t, draws=draws, rng=generator).probability
+    result[seen] = estimate_success_probabilities(
+        starts[seen],
+        ends[seen],
+        camera,
+        error,
+        np.broadcast_to(tolerance, shape).ravel()[seen],
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=seed,
+    ).probability
     return result.reshape(shape)
 
 

@@ -76,4 +76,5 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
 
 def write_evaluation(table: xr.Dataset, path: str | PathLike[str]) -> None:
     """Write the table as CSV, Parquet or Zarr, by suffix."""
-    write_table(table, path, COLUMNS)
+    optional = ("validity", "probability_low", "probability_high")  # after the standard columns, where there
+    write_table(table, path, (*COLUMNS, *(name for name in optional if name in table)))

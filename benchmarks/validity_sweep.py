@@ -1,0 +1,174 @@
+"""How far the joint model is from the exact camera over random set-ups, and which of them are flagged.
+
+Usage: python benchmarks/validity_sweep.py [--count N] [--seed S]
+
+Prints docs/paper/validity.md. The reference is the exact camera by randomised quasi-Monte Carlo, to 3e-4 at first and
+to 1e-4 where that does not decide; "bad" is an error above 1e-3 by more than the half-width of the 99.9 % interval.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import viewgauge as vg
+from viewgauge.evaluation import image_segment, success_probability
+from viewgauge.evaluation.validity import probability_error, validity
+from viewgauge.simulation import estimate_success_probabilities
+
+STRATA = ("ordinary", "wide", "harsh", "absurd")
+LIMIT = 1e-3
+CONFIDENCE = 0.999
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """A segment before a camera: points mm, camera frame; T relative."""
+
+    stratum: str
+    start: np.ndarray
+    end: np.ndarray
+    camera: vg.Camera
+    error: vg.PoseError
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A set-up with its probabilities, the reference's half-width, the estimated error and the warning."""
+
+    stratum: str
+    joint: float
+    exact: float
+    half_width: float
+    estimate: float
+    warning: str
+
+    @property
+    def bad(self) -> bool:
+        """The joint model is wrong by more than 1e-3 for sure."""
+        return abs(self.joint - self.exact) - self.half_width > LIMIT
+
+    @property
+    def good(self) -> bool:
+        """The joint model is right within 1e-3 for sure."""
+        return abs(self.joint - self.exact) + self.half_width <= LIMIT
+
+
+def draw(stratum: str, rng: np.random.Generator) -> SetUp:
+    """A random set-up; "ordinary" and "wide" as in practice, "harsh" at its edge, "absurd" far beyond."""
+    absurd = stratum == "absurd"
+    largest_angle, largest_shift = {"ordinary": (2e-3, 1e-3), "wide": (2e-3, 2e-3), "harsh": (2e-2, 3e-2)}.get(
+        stratum, (0.3, 0.3)
+    )
+    while True:
+        distance, pitch = np.exp(rng.uniform(np.log(150), np.log(2000))), rng.uniform(0.002, 0.014)
+        camera = vg.Camera(
+            float(rng.uniform(6, 50)),
+            (pitch, pitch * rng.choice([1.0, 1.25])),
+            (4000, 3000),
+            edge_resolution_px=float(rng.choice([1.0, 0.1, 0.02, 0.0])),
+        )
+        off_axis = rng.uniform(0, {"ordinary": 0.4, "wide": 1.0, "harsh": 0.6}.get(stratum, 1.2))
+        sight = Rotation.from_euler("zx", [rng.uniform(0, 2 * np.pi), off_axis]).apply([0, 0, 1])
+        direction = rng.standard_normal(3)
+        if absurd and rng.random() < 0.3:  # nearly along the optical axis
+            direction = sight + 0.03 * rng.standard_normal(3)
+        direction /= np.linalg.norm(direction)
+        reach = distance * rng.uniform(0.05, 0.4)
+        if absurd and rng.random() < 0.4:  # an image of 1 to 20 px
+            reach = rng.uniform(1, 20) * pitch * distance / camera.focal_length_mm
+        centre = sight * distance
+        start, end = centre - direction * reach / 2, centre + direction * reach / 2
+        length_px = np.linalg.norm(np.diff(camera.project([start, end]), axis=0)) / pitch
+        if min(start[2], end[2]) > 0.05 * distance and length_px > (0.5 if absurd else 30):
+            break
+    return SetUp(
+        stratum,
+        start,
+        end,
+        camera,
+        *_error_and_tolerance(stratum, start, end, camera, largest_angle, largest_shift, rng),
+    )
+
+
+def _error_and_tolerance(stratum, start, end, camera, largest_angle, largest_shift, rng):  # type: ignore[no-untyped-def]
+    distance = np.linalg.norm(start + end) / 2
+    deviations = np.concatenate(
+        [
+            distance * largest_shift * 10 ** rng.uniform(-1, 0) * rng.uniform(0.3, 1, 3),
+            largest_angle * 10 ** rng.uniform(-1, 0) * rng.uniform(0.3, 1, 3),
+        ]
+    )
+    covariance = np.diag(deviations**2)
+    if rng.random() < 0.5:  # correlated
+        factor = rng.standard_normal((6, rng.integers(2, 9)))
+        correlation = factor @ factor.T
+        scale = np.sqrt(correlation.diagonal())
+        covariance = correlation / np.outer(scale, scale) * np.outer(deviations, deviations)
+    if rng.random() < 0.5:
+        pivot = (0.0, 0.0, -camera.focal_length_mm)
+    else:
+        pivot = tuple(map(float, rng.normal(0, distance * {"absurd": 2.0, "harsh": 0.5}.get(stratum, 0.2), 3)))
+    error = vg.PoseError(covariance, pivot_mm=pivot)
+    image = image_segment(start, end, camera, error)
+    deviation = float(image.total_error(camera).std() / image.length_mm)
+    if stratum == "absurd":
+        return error, deviation * 10 ** rng.uniform(-3, 2)
+    return error, deviation * rng.uniform(0.1, 4.5)
+
+
+def judge(setup: SetUp, seed: int) -> Judged:
+    """Joint model, exact camera and warning of a set-up."""
+    given = (setup.start, setup.end, setup.camera, setup.error, setup.tolerance)
+    joint = float(success_probability(*given))
+    for precision in (1e-3, 4e-4, 1.5e-4):
+        estimate = estimate_success_probabilities(*given, precision=precision, confidence=CONFIDENCE, seed=seed)
+        exact, half_width = float(estimate.probability[0]), float(estimate.half_width[0])
+        if abs(abs(joint - exact) - LIMIT) > half_width:
+            break
+    return Judged(setup.stratum, joint, exact, half_width, float(probability_error(*given)), str(validity(*given)))
+
+
+def sweep(count: int, seed: int, strata: tuple[str, ...] = STRATA) -> list[Judged]:
+    """``count`` set-ups of each stratum."""
+    rng = np.random.default_rng(seed)
+    return [judge(draw(stratum, rng), seed) for stratum in strata for _ in range(count)]
+
+
+def report(judged: list[Judged]) -> str:
+    """The table of docs/paper/validity.md."""
+    lines = [
+        "| stratum | set-ups | largest error | bad | bad, not flagged | good | good, flagged | undecided |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for stratum in STRATA:
+        rows = [j for j in judged if j.stratum == stratum]
+        bad, good = [j for j in rows if j.bad], [j for j in rows if j.good]
+        flagged = sum(j.warning != "" for j in good)
+        largest = max(abs(j.joint - j.exact) for j in rows)
+        lines.append(
+            f"| {stratum} | {len(rows)} | {largest:.1e} | {len(bad)} | {sum(j.warning == '' for j in bad)} | "
+            f"{len(good)} | {flagged} ({flagged / max(len(good), 1):.1%}) | {len(rows) - len(bad) - len(good)} |"
+        )
+    names = [j.warning for j in judged if j.warning]
+    lines += ["", "Warnings given: " + ", ".join(f"{n} {names.count(n)}" for n in sorted(set(names))) + "."]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Sweep and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=800, help="set-ups of each stratum")
+    parser.add_argument("--seed", type=int, default=2)
+    arguments = parser.parse_args()
+    judged = sweep(arguments.count, arguments.seed)
+    print(f"# Validity of the small-error model\n\n{arguments.count} set-ups a stratum, seed {arguments.seed}.\n")
+    print(report(judged))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,248 @@
+"""Where the small-error (first-order, joint) model is out of its range, and why.
+
+The joint model holds the image length for linear in the errors. What it neglects, with sigma the standard deviation of
+the length error, t that of the transverse difference of the ends' errors (quantization included), zeta that of the
+depth over the depth, and L the image length:
+
+- the euclidean length: ``|(L + e, t')| = L + e + t'²/(2L) - e t'²/(2L²) ...``, a bias of t²/(2L);
+- the perspective division: ``1/(1 + zeta') = 1 - zeta' + zeta'² ...``, a bias of L zeta² and tails without end;
+- the rotation's own second order, ``delta x (delta x p) / 2``, of the size of L times the angle squared.
+
+In P(|error| <= T L) a bias b alone counts only as b²/sigma², the size of the cubic terms; no fixed ratio bounds all of
+them. So the error of the probability is computed, by line sampling (Koutsourelakis, Pradlwarter and Schuëller,
+*Prob. Eng. Mech.* 19 (2004) 409): with the errors as independent unit normals, turned so that z1 is the direction in
+which the length changes, the exact camera tells on a line along z1 between which z1 the length is right, and the line
+holds Phi(z+) - Phi(z-) of the probability. Its change over the other directions, one at a time by Gauss-Hermite
+nodes, the transverse one and those of the two depths first among them, is the estimate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+
+from ..geometry import Camera, PoseError, invert, point_jacobian, transform
+from ..geometry.poses import skew
+
+__all__ = ["WARNINGS", "probability_error", "validity"]
+
+WARNINGS = ("near_lens_plane", "denominator_near_zero", "short_segment", "large_error")
+"""Names of the warnings, the gravest first."""
+
+THRESHOLD = 2.5e-4
+"""Estimated error of the probability from which a pair is flagged; calibrated on a sweep (docs/paper/validity.md)."""
+
+_NEVER = 3e-4  # relative sizes of error below which no sweep has an error of the threshold
+_NEAR_LENS_PLANE = 6.0  # standard deviations of the depth between a point and the lens plane
+_FAR = 9.0  # standard deviations beyond which nothing happens
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
+_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+_PAIRS_PER_CHUNK = 2000
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """Sizes of the errors of m segments: image lengths mm, the others without unit."""
+
+    length_mm: NDArray[np.float64]
+    gradients: NDArray[np.float64]
+    """``(m, 4, 8)``: length and transverse error, mm, depth over depth of start and end, per unit normal."""
+    displacement: NDArray[np.float64]
+    """Displacement across the line of sight over the distance, of the worse end."""
+
+    @property
+    def sigma_mm(self) -> NDArray[np.float64]:
+        return np.asarray(np.linalg.norm(self.gradients[:, 0], axis=-1))
+
+    @property
+    def transverse(self) -> NDArray[np.float64]:
+        """Transverse error over the image length."""
+        sigma = np.linalg.norm(self.gradients[:, 1], axis=-1)
+        return np.asarray(np.divide(sigma, self.length_mm, out=np.full(len(sigma), np.inf), where=self.length_mm > 0))
+
+    @property
+    def depth(self) -> NDArray[np.float64]:
+        """Error of the depth over the depth, of the worse end."""
+        return np.asarray(np.linalg.norm(self.gradients[:, 2:], axis=-1).max(axis=-1))
+
+
+def validity(
+    start: ArrayLike, end: ArrayLike, camera: Camera, error: PoseError, relative_tolerance: ArrayLike
+) -> NDArray[np.str_]:
+    """For each segment the name of what makes the joint model's probability doubtful, "" where nothing does.
+
+    ``near_lens_plane``: an end is fewer than six standard deviations of its depth from the lens plane, or behind it;
+    ``denominator_near_zero``: the error of the depth is not small against the depth; ``short_segment``: the image is
+    not long against its transverse error; ``large_error``: the pose error is not small against the distance. Of
+    those that are flagged for the size of :func:`probability_error`, the largest of the ratios gives the name.
+
+    Parameters
+    ----------
+    start, end
+        ``(..., 3)`` mm, camera frame.
+    relative_tolerance
+        T, broadcast against the segments.
+    """
+    points, tolerance, shape = _flat(start, end, relative_tolerance)
+    in_front = (points[..., 2] > 0).all(axis=-1)
+    named = np.full(len(points), WARNINGS[0], dtype=f"<U{max(map(len, WARNINGS))}")
+    front = np.flatnonzero(in_front)
+    for first in range(0, len(front), _PAIRS_PER_CHUNK):
+        chunk = front[first : first + _PAIRS_PER_CHUNK]
+        sizes = _sizes(points[chunk], camera, error)
+        estimate = _estimate(points[chunk], tolerance[chunk], sizes, camera, error)
+        largest = np.maximum(sizes.depth, sizes.displacement)
+        name = np.where(sizes.displacement > sizes.depth, "large_error", "denominator_near_zero")
+        name = np.where(sizes.transverse > 2 * largest, "short_segment", name)
+        name = np.where(sizes.depth * _NEAR_LENS_PLANE > 1, "near_lens_plane", name)
+        named[chunk] = np.where(estimate < THRESHOLD, "", name)
+    return named.reshape(shape)
+
+
+def probability_error(
+    start: ArrayLike, end: ArrayLike, camera: Camera, error: PoseError, relative_tolerance: ArrayLike
+) -> NDArray[np.float64]:
+    """Estimate of how far the joint model's probability is from the exact camera's; arguments as :func:`validity`.
+
+    It sums the sizes of effects that may cancel, and so is rather too large. 1 where an end is not in front of the
+    camera; 0 where the errors are too small to matter.
+    """
+    points, tolerance, shape = _flat(start, end, relative_tolerance)
+    front = np.flatnonzero((points[..., 2] > 0).all(axis=-1))
+    result = np.ones(len(points))
+    for first in range(0, len(front), _PAIRS_PER_CHUNK):
+        chunk = front[first : first + _PAIRS_PER_CHUNK]
+        sizes = _sizes(points[chunk], camera, error)
+        result[chunk] = _estimate(points[chunk], tolerance[chunk], sizes, camera, error)
+    return result.reshape(shape)
+
+
+def _flat(
+    start: ArrayLike, end: ArrayLike, tolerance: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[int, ...]]:
+    start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
+    points = np.stack([start, end], axis=-2)
+    T = np.asarray(tolerance, dtype=float)
+    shape = np.broadcast_shapes(points.shape[:-2], T.shape)
+    return np.broadcast_to(points, (*shape, 2, 3)).reshape(-1, 2, 3), np.broadcast_to(T, shape).ravel(), shape
+
+
+def _twist_factor(error: PoseError) -> NDArray[np.float64]:
+    """``(6, 6)``: pose error, head frame, of six unit normals; scaled before it is factored, mm against rad."""
+    deviations = np.sqrt(error.covariance.diagonal())
+    scale = np.where(deviations > 1e-150, deviations, 1.0)
+    values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
+    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Sizes:
+    assert error.T_camera_head is not None  # set by PoseError
+    R, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
+    camera_factor = np.block([[R, skew(origin) @ R], [np.zeros((3, 3)), R]]) @ _twist_factor(error)
+    J = point_jacobian(points, camera.focal_length_mm) @ camera_factor
+    image = np.diff(camera.project(points), axis=-2)[:, 0]
+    length = np.hypot(image[:, 0], image[:, 1])
+    angle = np.arctan2(image[:, 1], image[:, 0])
+    along = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
+    steps = np.asarray(camera.quantization_step_mm) / np.sqrt(6)  # of the difference of two uniforms
+    turned = np.swapaxes(np.cross(np.eye(3), points[..., None, :]), -1, -2)  # e_k x p in column k
+    moved = np.concatenate([np.broadcast_to(np.eye(3), turned.shape), turned], axis=-1) @ camera_factor
+    gradients = np.zeros((len(points), 4, 8))
+    for row, direction in enumerate((along, across)):
+        gradients[:, row, :6] = np.einsum("mk,mkp->mp", direction, J[:, 1] - J[:, 0])
+        gradients[:, row, 6:] = direction * steps
+    gradients[:, 2:, :6] = moved[:, :, 2] / points[..., 2:]
+    distance = np.linalg.norm(points, axis=-1)
+    sight = points / distance[..., None]
+    variance = (moved**2).sum(axis=(-2, -1)) - (np.einsum("mek,mekp->mep", sight, moved) ** 2).sum(axis=-1)
+    return _Sizes(length, gradients, np.sqrt(np.maximum(variance, 0.0) / distance**2).max(axis=-1))
+
+
+def _estimate(
+    points: NDArray[np.float64],
+    tolerance: NDArray[np.float64],
+    sizes: _Sizes,
+    camera: Camera,
+    error: PoseError,
+) -> NDArray[np.float64]:
+    """Estimated error of the probability, ``(m,)``."""
+    largest = np.maximum(np.maximum(sizes.depth, sizes.displacement), sizes.transverse)
+    result = np.zeros(len(points))
+    doubtful = np.flatnonzero(largest > _NEVER)
+    if len(doubtful):
+        chosen = _Sizes(sizes.length_mm[doubtful], sizes.gradients[doubtful], sizes.displacement[doubtful])
+        lines = _line_probabilities(points[doubtful], tolerance[doubtful], chosen, camera, error)
+        allowed = tolerance[doubtful] * chosen.length_mm
+        first_order = 2 * ndtr(allowed / np.maximum(chosen.sigma_mm, 1e-300)) - 1
+        centre = lines[:, :, len(_NODES) // 2]
+        axes = np.abs((lines - centre[..., None]) @ _WEIGHTS).sum(axis=-1)
+        behind = ndtr(-1 / np.maximum(chosen.depth, 1e-300))
+        result[doubtful] = np.abs(centre[:, 0] - first_order) + axes + behind
+    return result
+
+
+def _line_probabilities(
+    points: NDArray[np.float64],
+    tolerance: NDArray[np.float64],
+    sizes: _Sizes,
+    camera: Camera,
+    error: PoseError,
+) -> NDArray[np.float64]:
+    """Probability held by the lines along z1 at the nodes of the seven other axes, ``(m, 7, nodes)``."""
+    length = sizes.length_mm[:, None, None]
+    allowed, sigma = tolerance[:, None, None] * length, np.maximum(sizes.sigma_mm, 1e-12)[:, None, None]
+    scaled = sizes.gradients / np.maximum(np.linalg.norm(sizes.gradients, axis=-1, keepdims=True), 1e-300)
+    seeds = np.concatenate([scaled, np.broadcast_to(np.eye(8), (len(points), 8, 8))], axis=1)
+    axes = np.swapaxes(np.linalg.qr(np.swapaxes(seeds, -1, -2))[0], -1, -2)  # (m, 8, 8), an axis a row
+    axes[:, 0] *= np.where(np.einsum("mp,mp->m", axes[:, 0], scaled[:, 0]) < 0, -1.0, 1.0)[:, None]
+    offset = axes[:, 1:, None] * _NODES[:, None]  # (m, 7, nodes, 8)
+    camera_error = _ExactLength(points, camera, error, length)
+
+    def border(sign: float) -> NDArray[np.float64]:
+        """z1 where the length error is sign T L: one Newton step, then secants."""
+        z = np.clip(sign * allowed / sigma, -_FAR, _FAR) + np.zeros(offset.shape[:-1])
+        miss = camera_error(offset + z[..., None] * axes[:, None, None, 0]) - sign * allowed
+        slope = np.broadcast_to(sigma, z.shape)
+        for _ in range(2):
+            step = np.clip(-miss / slope, -_FAR, _FAR)
+            moved = np.clip(z + step, -_FAR, _FAR)
+            again = camera_error(offset + moved[..., None] * axes[:, None, None, 0]) - sign * allowed
+            secant = np.divide(again - miss, moved - z, out=slope.copy(), where=np.abs(moved - z) > 1e-6)
+            slope = np.where(secant > 0.1 * sigma, secant, sigma)
+            z, miss = moved, again
+        return np.asarray(z - miss / slope)
+
+    held = ndtr(border(1.0)) - ndtr(border(-1.0))
+    return np.asarray(np.where(held > 0, held, 0.0))  # also where a line passes behind the camera
+
+
+class _ExactLength:
+    """Length errors of m segments for unit normals ``(m, ..., 8)``, with true rotations and the euclidean length."""
+
+    def __init__(
+        self, points: NDArray[np.float64], camera: Camera, error: PoseError, length_mm: NDArray[np.float64]
+    ) -> None:
+        assert error.T_camera_head is not None  # set by PoseError
+        self.pose, self.length_mm, self.factor = error.T_camera_head, length_mm, _twist_factor(error)
+        self.ends = transform(invert(self.pose), points)  # head frame
+        self.focal, self.steps = camera.focal_length_mm, np.asarray(camera.quantization_step_mm) / np.sqrt(6)
+
+    def __call__(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
+        twist = normals[..., :6] @ self.factor.T
+        (sx, sy, sz), (cx, cy, cz) = (np.moveaxis(g(twist[..., 3:]), -1, 0) for g in (np.sin, np.cos))
+        images = []
+        for end in (0, 1):
+            x, y, z = self.ends[:, end].T[..., None, None]
+            x, y = cz * x - sz * y, sz * x + cz * y
+            z, x = cy * z - sy * x, sy * z + cy * x
+            y, z = cx * y - sx * z, sx * y + cx * z
+            moved = np.stack([x, y, z], axis=-1) + twist[..., :3]
+            p = moved @ self.pose[:3, :3].T + self.pose[:3, 3]
+            depth = np.where(p[..., 2] > 0, p[..., 2], np.nan)
+            images.append(self.focal * p[..., :2] / depth[..., None])
+        delta = images[1] - images[0] + normals[..., 6:] * self.steps
+        return np.asarray(np.hypot(delta[..., 0], delta[..., 1]) - self.length_mm)
