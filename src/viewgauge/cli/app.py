@@ -135,7 +135,7 @@ def _evaluate(
     if json:
         print_json({"settings": table.sizes["setting"], "method": method, "best": best, "not_measurable": refused})
     else:
-        print_table_summary(best, refused, table.sizes["setting"])
+        print_table_summary(best, refused, table.sizes["setting"], method)
         if output is not None:
             print(f"written to {output}")
     return _DONE if not refused and all(row["accepted"] for row in best.values()) else _NOT_MET

@@ -43,6 +43,10 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
         print(f"  unmet           {dimension['id']}: {best}; {dimension['limit']}")
     for dimension in by_status["not_measurable"]:
         print(f"  not measurable  {dimension['id']}: {dimension['limit']}")
+    for dimension in document["dimensions"]:
+        if dimension["warning"]:
+            told = "confirmed" if dimension["status"] == "met" else "not confirmed"
+            print(f"  warning         {dimension['id']}: {dimension['warning']}; {told} with the exact camera")
     if by_status["met"]:
         weakest = min(by_status["met"], key=lambda d: float(d["probability"]))
         print(f"weakest dimension met: {weakest['id']} with probability {_sure(weakest['probability'])}")
@@ -51,7 +55,9 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
     print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
 
 
-def print_table_summary(rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], settings: int) -> None:
+def print_table_summary(
+    rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], settings: int, method: str
+) -> None:
     """For each dimension the best of the evaluated settings, and what cannot be measured at all."""
     dimensions = "1 dimension" if len(rows) == 1 else f"{len(rows)} dimensions"
     print(f"{dimensions} from {'1 setting' if settings == 1 else f'{settings} settings'}; the best of each:")
@@ -63,6 +69,8 @@ def print_table_summary(rows: dict[str, dict[str, Any]], refused: list[dict[str,
             else f"not visible ({row['reason']})"
         )
         print(f"  {name}: {seen}, {verdict}")
+        if row["validity"] and method != "monte-carlo":
+            print(f"    warning: {row['validity']}; the exact camera answers with --method monte-carlo")
     for entry in refused:
         print(f"  {entry['id']}: not measurable; {entry['reason']}")
 

@@ -13,7 +13,8 @@ them. So the error of the probability is computed, by line sampling (Koutsourela
 *Prob. Eng. Mech.* 19 (2004) 409): with the errors as independent unit normals, turned so that z1 is the direction in
 which the length changes, the exact camera tells on a line along z1 between which z1 the length is right, and the line
 holds Phi(z+) - Phi(z-) of the probability. Its change over the other directions, one at a time by Gauss-Hermite
-nodes, the transverse one and those of the two depths first among them, is the estimate.
+nodes, the transverse one and those of the two depths first among them, is the estimate. It is not made where the
+neglected terms are negligible by their size, and is enlarged where they are so large that directions act together.
 """
 
 from __future__ import annotations
@@ -35,7 +36,10 @@ WARNINGS = ("near_lens_plane", "denominator_near_zero", "short_segment", "large_
 THRESHOLD = 2.5e-4
 """Estimated error of the probability from which a pair is flagged; calibrated on a sweep (docs/paper/validity.md)."""
 
-_NEVER = 3e-4  # relative sizes of error below which no sweep has an error of the threshold
+# sizes of the neglected terms, calibrated on the same sweep: below the first the error of the probability is less than
+# a quarter of the threshold; above the second, directions together do what none does alone; above the third, the
+# neglected terms are as large as those that are kept
+_NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.07, 1.0
 _NEAR_LENS_PLANE = 6.0  # standard deviations of the depth between a point and the lens plane
 _FAR = 9.0  # standard deviations beyond which nothing happens
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
@@ -51,7 +55,7 @@ class _Sizes:
     gradients: NDArray[np.float64]
     """``(m, 4, 8)``: length and transverse error, mm, depth over depth of start and end, per unit normal."""
     displacement: NDArray[np.float64]
-    """Displacement across the line of sight over the distance, of the worse end."""
+    """Displacement across the line of sight over the depth, of the worse end."""
 
     @property
     def sigma_mm(self) -> NDArray[np.float64]:
@@ -67,6 +71,21 @@ class _Sizes:
     def depth(self) -> NDArray[np.float64]:
         """Error of the depth over the depth, of the worse end."""
         return np.asarray(np.linalg.norm(self.gradients[:, 2:], axis=-1).max(axis=-1))
+
+    @property
+    def neglected(self) -> NDArray[np.float64]:
+        """With d the largest ratio, that of the second order, L d², to sigma and of the cubic, d² sigma: their size.
+
+        ``hypot(d, L d² / sigma)``: what is neglected in the probability is of the order of its square.
+        """
+        largest = np.maximum(np.maximum(self.depth, self.displacement), self.transverse)
+        with np.errstate(over="ignore", invalid="ignore"):
+            bias = np.where(largest > 0, largest**2 * self.length_mm / np.maximum(self.sigma_mm, 1e-300), 0.0)
+        return np.asarray(np.where(np.isnan(bias), np.inf, np.hypot(largest, bias)))
+
+    def take(self, chosen: NDArray[np.int64]) -> _Sizes:
+        """The sizes of some of the segments."""
+        return _Sizes(self.length_mm[chosen], self.gradients[chosen], self.displacement[chosen])
 
 
 def validity(
@@ -159,7 +178,7 @@ def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Si
     distance = np.linalg.norm(points, axis=-1)
     sight = points / distance[..., None]
     variance = (moved**2).sum(axis=(-2, -1)) - (np.einsum("mek,mekp->mep", sight, moved) ** 2).sum(axis=-1)
-    return _Sizes(length, gradients, np.sqrt(np.maximum(variance, 0.0) / distance**2).max(axis=-1))
+    return _Sizes(length, gradients, (np.sqrt(np.maximum(variance, 0.0)) / points[..., 2]).max(axis=-1))
 
 
 def _estimate(
@@ -170,18 +189,19 @@ def _estimate(
     error: PoseError,
 ) -> NDArray[np.float64]:
     """Estimated error of the probability, ``(m,)``."""
-    largest = np.maximum(np.maximum(sizes.depth, sizes.displacement), sizes.transverse)
-    result = np.zeros(len(points))
-    doubtful = np.flatnonzero(largest > _NEVER)
+    neglected = sizes.neglected
+    result = np.where(neglected > _BEYOND, 1.0, 0.0)
+    doubtful = np.flatnonzero((neglected > _NEGLIGIBLE) & (neglected <= _BEYOND))
     if len(doubtful):
-        chosen = _Sizes(sizes.length_mm[doubtful], sizes.gradients[doubtful], sizes.displacement[doubtful])
+        chosen = sizes.take(doubtful)
         lines = _line_probabilities(points[doubtful], tolerance[doubtful], chosen, camera, error)
         allowed = tolerance[doubtful] * chosen.length_mm
         first_order = 2 * ndtr(allowed / np.maximum(chosen.sigma_mm, 1e-300)) - 1
         centre = lines[:, :, len(_NODES) // 2]
         axes = np.abs((lines - centre[..., None]) @ _WEIGHTS).sum(axis=-1)
         behind = ndtr(-1 / np.maximum(chosen.depth, 1e-300))
-        result[doubtful] = np.abs(centre[:, 0] - first_order) + axes + behind
+        crossed = np.maximum(neglected[doubtful] / _CROSSED, 1.0) ** 3
+        result[doubtful] = np.minimum((np.abs(centre[:, 0] - first_order) + axes + behind) * crossed, 1.0)
     return result
 
 

@@ -56,6 +56,7 @@ def _dimension_document(dimension: PlannedDimension) -> dict[str, Any]:
         "setting": dimension.setting,
         "gauge": None if dimension.gauge is None else dimension.gauge.tolist(),
         "limit": dimension.limit,
+        "warning": dimension.warning,
     }
 
 

@@ -92,6 +92,7 @@ def _planned(table: xr.Dataset, k: int | None, j: int, dimension: Dimension, set
         setting=setting,
         gauge=np.stack([gauge.start, gauge.end]) if gauge else None,
         limit="" if setting else limiting_cause(table.isel(dimension=j)),
+        warning=str(table["validity"].values[k, j]) if seen and "validity" in table else "",
     )
 
 

@@ -43,6 +43,9 @@ class PlannedDimension:
         The two points measured, ``(2, 3)`` mm, part frame; None where none was visible.
     limit
         What limits the dimension, one sentence; empty where met.
+    warning
+        Why the small-error model is doubtful for this setting and gauge (:func:`viewgauge.evaluation.validity`);
+        empty where it is not. The probability of a dimension that is met is then the exact camera's.
     """
 
     id: str
@@ -56,6 +59,7 @@ class PlannedDimension:
     setting: str | None
     gauge: NDArray[np.float64] | None
     limit: str = ""
+    warning: str = ""
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,11 @@ from ..geometry import Camera, PoseError, invert, require_poses, transform
 from ..io.settings import read_settings
 from ..part import Dimension
 from ..planning import without_allowed_error
-from ..simulation import estimate_success_probabilities, require_precision
+from ..simulation import ExactEstimates, estimate_success_probabilities, require_precision
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
-__all__ = ["Method", "best_of_each", "evaluate", "success_probability"]
+__all__ = ["DEFAULT_PRECISION", "Method", "best_of_each", "evaluate", "simulate_pairs", "success_probability"]
 
 Method = Literal["joint", "independent", "monte-carlo"]
 
@@ -100,6 +100,31 @@ def _settings(
     return ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
 
 
+def simulate_pairs(
+    table: xr.Dataset,
+    pairs: NDArray[np.int64],
+    T_part_camera: NDArray[np.float64],
+    dimensions: tuple[Dimension, ...],
+    inspection: Inspection,
+    precision: float,
+) -> ExactEstimates:
+    """The exact camera's word on visible pairs ``(n, 2)`` of a table: indices of setting and dimension."""
+    setting, dimension = pairs.T
+    gauges = [dimensions[j].gauges[table["gauge"].values[k, j]] for k, j in pairs]
+    ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
+    points = transform(invert(T_part_camera[setting])[:, None], ends)
+    return estimate_success_probabilities(
+        points[:, 0],
+        points[:, 1],
+        inspection.camera,
+        inspection.head,
+        table["relative_tolerance"].values[setting, dimension],
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=inspection.seed,
+    )
+
+
 def _simulated(
     table: xr.Dataset,
     T_part_camera: NDArray[np.float64],
@@ -115,26 +140,12 @@ def _simulated(
     pairs = np.argwhere(table["visible"].values)
     with progress.stage(f"Simulating {len(pairs)} pairs to {precision:g}", len(pairs)) as advance:
         for first in range(0, len(pairs), _PAIRS_PER_CHUNK):
-            setting, dimension = pairs[first : first + _PAIRS_PER_CHUNK].T
-            gauges = [
-                dimensions[j].gauges[table["gauge"].values[k, j]] for k, j in zip(setting, dimension, strict=True)
-            ]
-            ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
-            points = transform(invert(T_part_camera[setting])[:, None], ends)
-            estimates = estimate_success_probabilities(
-                points[:, 0],
-                points[:, 1],
-                inspection.camera,
-                inspection.head,
-                table["relative_tolerance"].values[setting, dimension],
-                precision=precision,
-                confidence=CONFIDENCE,
-                seed=inspection.seed,
-            )
-            probability[setting, dimension] = estimates.probability
-            accuracy[setting, dimension] = estimates.expected_accuracy
-            low[setting, dimension], high[setting, dimension] = estimates.low, estimates.high
-            advance(len(gauges))
+            chunk = pairs[first : first + _PAIRS_PER_CHUNK]
+            estimates = simulate_pairs(table, chunk, T_part_camera, dimensions, inspection, precision)
+            at = tuple(chunk.T)
+            probability[at], accuracy[at] = estimates.probability, estimates.expected_accuracy
+            low[at], high[at] = estimates.low, estimates.high
+            advance(len(chunk))
     accepted = table["visible"].values & (probability >= inspection.requirement.probability)
     table = table.assign(probability=(over, probability), expected_accuracy=(over, accuracy), accepted=(over, accepted))
     table = table.assign(probability_low=(over, low), probability_high=(over, high))
@@ -201,5 +212,6 @@ def best_of_each(table: xr.Dataset) -> dict[str, dict[str, object]]:
             "probability": float(row["probability"]),
             "expected_accuracy": float(row["expected_accuracy"]),
             "accepted": bool(row["accepted"]),
+            "validity": str(row["validity"].item()),
         }
     return best

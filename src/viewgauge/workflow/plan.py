@@ -5,19 +5,29 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from ..exceptions import InputError, NoCandidateError
+from ..part import Dimension
 from ..part.gauge_table import GaugeTable
 from ..planning import Plan, choose_settings, not_measurable, sample_settings, without_allowed_error
-from .evaluate import evaluate
+from .evaluate import DEFAULT_PRECISION, evaluate, simulate_pairs
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
 __all__ = ["plan"]
 
+_MOST_CONFIRMATIONS = 20  # times that the exact camera may overthrow a choice
+
 
 def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress | None = None) -> Plan:
     """The fewest sensor settings that measure every dimension as accurately and as surely as required.
+
+    The choice is by the joint model. Where that gives a warning for a pair that was chosen, its probability is found
+    with the exact camera, and the choice is made again with it, until all that is stated is either without warning
+    or confirmed (``PlannedDimension.warning`` keeps the name). A pair that only the exact camera would accept is
+    not looked for.
 
     Parameters
     ----------
@@ -42,16 +52,53 @@ def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress 
         return Plan(inspection.seed, (), tuple(not_measurable(unusable)), lower_bound=0, candidate_count=0)
     candidates = _candidates(inspection, GaugeTable.of(dimensions).points)
     table = evaluate(inspection, candidates, progress=progress)
-    with progress.stage("Choosing the fewest settings"):
-        return choose_settings(
-            table,
-            candidates.T_part_camera,
-            dimensions,
-            unusable,
-            inspection.requirement,
-            inspection.seed,
-            setting_ids=candidates.ids if inspection.settings is not None else None,
-        )
+    ids = candidates.ids if inspection.settings is not None else None
+    doubtful = table["validity"].values != ""
+    for _ in range(_MOST_CONFIRMATIONS):
+        with progress.stage("Choosing the fewest settings"):
+            chosen = choose_settings(
+                table,
+                candidates.T_part_camera,
+                dimensions,
+                unusable,
+                inspection.requirement,
+                inspection.seed,
+                setting_ids=ids,
+            )
+        pairs = _pairs_of(chosen, table, candidates)
+        pairs = pairs[doubtful[tuple(pairs.T)]]
+        if not len(pairs):
+            break
+        with progress.stage("Confirming what the small-error model does not answer for"):
+            table = _confirmed(table, pairs, candidates, dimensions, inspection)
+        doubtful[tuple(pairs.T)] = False
+    return chosen
+
+
+def _pairs_of(chosen: Plan, table: xr.Dataset, candidates: ExplicitSettings) -> NDArray[np.int64]:
+    """Indices ``(n, 2)`` in the table of the settings and dimensions that are met."""
+    column = {str(name): j for j, name in enumerate(table["dimension"].values)}
+    pairs = [
+        (int(np.flatnonzero((candidates.T_part_camera == s.T_part_camera).all(axis=(1, 2)))[0]), column[name])
+        for s in chosen.settings
+        for name in s.observes
+    ]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def _confirmed(
+    table: xr.Dataset,
+    pairs: NDArray[np.int64],
+    candidates: ExplicitSettings,
+    dimensions: tuple[Dimension, ...],
+    inspection: Inspection,
+) -> xr.Dataset:
+    """The table with the exact camera's probability and expected accuracy of some pairs."""
+    estimates = simulate_pairs(table, pairs, candidates.T_part_camera, dimensions, inspection, DEFAULT_PRECISION)
+    table = table.copy(deep=True)
+    table["probability"].values[tuple(pairs.T)] = estimates.probability
+    table["expected_accuracy"].values[tuple(pairs.T)] = estimates.expected_accuracy
+    return table
 
 
 def _candidates(
