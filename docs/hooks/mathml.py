@@ -14,7 +14,9 @@ _MATH = re.compile(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>',
 def _rendered(match: re.Match[str]) -> str:
     tag, bracket, latex = match.groups()
     latex = html.unescape(latex).strip()
+    # bars are fences, not operators with space around them
     mathml = convert(latex, display="block" if bracket == "[" else "inline")
+    mathml = mathml.replace("<mo>&#x0007C;</mo>", '<mo form="prefix" stretchy="false" lspace="0" rspace="0">|</mo>')
     if "\\" in mathml:  # latex2mathml passes a command on that it does not know
         raise PluginError(f"not all of this equation can be rendered: {latex}")
     return f'<{tag} class="math">{mathml}</{tag}>'
