@@ -162,8 +162,8 @@ def report(judged: list[Judged]) -> str:
 def main() -> None:
     """Sweep and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=500, help="set-ups of each stratum")
-    parser.add_argument("--seed", type=int, default=2)
+    parser.add_argument("--count", type=int, default=400, help="set-ups of each stratum")
+    parser.add_argument("--seed", type=int, default=3)
     arguments = parser.parse_args()
     judged = sweep(arguments.count, arguments.seed)
     print(f"# Validity of the small-error model\n\n{arguments.count} set-ups a stratum, seed {arguments.seed}.\n")

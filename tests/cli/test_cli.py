@@ -244,6 +244,31 @@ def test_the_exact_camera_gives_an_interval_as_narrow_as_asked():
         assert (heel["probability_low"], heel["probability_high"]) == (0, 0), "not visible"
 
 
+def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
+    # a head known to 25 mm and 4 degrees
+    write(
+        head="{translation: 25 mm, rotation: 4 deg}",
+        requirement="{accuracy: 0.7, probability: 0.9}",
+        candidates="{distance: [300, 400] mm, directions: 20, rolls: 1}",
+    )
+    assert main(["plan", "inspection.yaml", "-o", "out"]) == 0
+    out = capsys.readouterr().out
+    assert "warning         width: " in out
+    assert "; confirmed with the exact camera" in out
+    planned = {d["id"]: d for d in json.loads(Path("out/plan.json").read_text())["dimensions"]}
+    assert all(d["warning"] for d in planned.values())
+    for method, told in (("joint", True), ("monte-carlo", False)):
+        command = ["evaluate", "inspection.yaml", "--settings", "out/settings.csv", "--method", method]
+        assert main([*command, "--json"]) == 0
+        best = json.loads(capsys.readouterr().out)["best"]
+        assert main(command) == 0
+        assert ("the exact camera answers with --method monte-carlo" in capsys.readouterr().out) is told
+    for name, dimension in planned.items():
+        # another place in the table, the same draws: what the plan states is what the exact camera gives
+        assert dimension["probability"] == pytest.approx(best[name]["probability"], abs=1e-12)
+        assert best[name]["validity"] == dimension["warning"]
+
+
 # --- bad input: exit code 2 and one telling message -------------------------------------------------------------------
 
 

@@ -33,13 +33,13 @@ __all__ = ["WARNINGS", "probability_error", "validity"]
 WARNINGS = ("near_lens_plane", "denominator_near_zero", "short_segment", "large_error")
 """Names of the warnings, the gravest first."""
 
-THRESHOLD = 2.5e-4
+THRESHOLD = 3e-4
 """Estimated error of the probability from which a pair is flagged; calibrated on a sweep (docs/paper/validity.md)."""
 
 # sizes of the neglected terms, calibrated on the same sweep: below the first the error of the probability is less than
-# a quarter of the threshold; above the second, directions together do what none does alone; above the third, the
-# neglected terms are as large as those that are kept
-_NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.07, 1.0
+# a quarter of the threshold; above the second, directions together do what none does alone; above the third, no
+# number of terms tells how heavy the tails are
+_NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.05, 0.2
 _NEAR_LENS_PLANE = 6.0  # standard deviations of the depth between a point and the lens plane
 _FAR = 9.0  # standard deviations beyond which nothing happens
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
@@ -200,7 +200,7 @@ def _estimate(
         centre = lines[:, :, len(_NODES) // 2]
         axes = np.abs((lines - centre[..., None]) @ _WEIGHTS).sum(axis=-1)
         behind = ndtr(-1 / np.maximum(chosen.depth, 1e-300))
-        crossed = np.maximum(neglected[doubtful] / _CROSSED, 1.0) ** 3
+        crossed = np.maximum(neglected[doubtful] / _CROSSED, 1.0) ** 4
         result[doubtful] = np.minimum((np.abs(centre[:, 0] - first_order) + axes + behind) * crossed, 1.0)
     return result
 
