@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
-from ..geometry import Camera, PoseError, invert, point_jacobian, transform
+from ..geometry import Camera, PoseError, point_jacobian
 from ..geometry.poses import skew
+from .line_sampling import NODES, WEIGHTS, line_probabilities, twist_factor
 
 __all__ = ["WARNINGS", "probability_error", "validity"]
 
@@ -41,9 +42,6 @@ THRESHOLD = 3e-4
 # number of terms tells how heavy the tails are
 _NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.05, 0.2
 _NEAR_LENS_PLANE = 6.0  # standard deviations of the depth between a point and the lens plane
-_FAR = 9.0  # standard deviations beyond which nothing happens
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
-_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 _PAIRS_PER_CHUNK = 2000
 
 
@@ -149,18 +147,10 @@ def _flat(
     return np.broadcast_to(points, (*shape, 2, 3)).reshape(-1, 2, 3), np.broadcast_to(T, shape).ravel(), shape
 
 
-def _twist_factor(error: PoseError) -> NDArray[np.float64]:
-    """``(6, 6)``: pose error, head frame, of six unit normals; scaled before it is factored, mm against rad."""
-    deviations = np.sqrt(error.covariance.diagonal())
-    scale = np.where(deviations > 1e-150, deviations, 1.0)
-    values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
-    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
-
-
 def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Sizes:
     assert error.T_camera_head is not None  # set by PoseError
     R, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
-    camera_factor = np.block([[R, skew(origin) @ R], [np.zeros((3, 3)), R]]) @ _twist_factor(error)
+    camera_factor = np.block([[R, skew(origin) @ R], [np.zeros((3, 3)), R]]) @ twist_factor(error)
     J = point_jacobian(points, camera.focal_length_mm) @ camera_factor
     image = np.diff(camera.project(points), axis=-2)[:, 0]
     length = np.hypot(image[:, 0], image[:, 1])
@@ -194,75 +184,12 @@ def _estimate(
     doubtful = np.flatnonzero((neglected > _NEGLIGIBLE) & (neglected <= _BEYOND))
     if len(doubtful):
         chosen = sizes.take(doubtful)
-        lines = _line_probabilities(points[doubtful], tolerance[doubtful], chosen, camera, error)
         allowed = tolerance[doubtful] * chosen.length_mm
+        lines = line_probabilities(points[doubtful], allowed, chosen.gradients, camera, error)
         first_order = 2 * ndtr(allowed / np.maximum(chosen.sigma_mm, 1e-300)) - 1
-        centre = lines[:, :, len(_NODES) // 2]
-        axes = np.abs((lines - centre[..., None]) @ _WEIGHTS).sum(axis=-1)
+        centre = lines[:, :, len(NODES) // 2]
+        axes = np.abs((lines - centre[..., None]) @ WEIGHTS).sum(axis=-1)
         behind = ndtr(-1 / np.maximum(chosen.depth, 1e-300))
         crossed = np.maximum(neglected[doubtful] / _CROSSED, 1.0) ** 4
         result[doubtful] = np.minimum((np.abs(centre[:, 0] - first_order) + axes + behind) * crossed, 1.0)
     return result
-
-
-def _line_probabilities(
-    points: NDArray[np.float64],
-    tolerance: NDArray[np.float64],
-    sizes: _Sizes,
-    camera: Camera,
-    error: PoseError,
-) -> NDArray[np.float64]:
-    """Probability held by the lines along z1 at the nodes of the seven other axes, ``(m, 7, nodes)``."""
-    length = sizes.length_mm[:, None, None]
-    allowed, sigma = tolerance[:, None, None] * length, np.maximum(sizes.sigma_mm, 1e-12)[:, None, None]
-    scaled = sizes.gradients / np.maximum(np.linalg.norm(sizes.gradients, axis=-1, keepdims=True), 1e-300)
-    seeds = np.concatenate([scaled, np.broadcast_to(np.eye(8), (len(points), 8, 8))], axis=1)
-    axes = np.swapaxes(np.linalg.qr(np.swapaxes(seeds, -1, -2))[0], -1, -2)  # (m, 8, 8), an axis a row
-    axes[:, 0] *= np.where(np.einsum("mp,mp->m", axes[:, 0], scaled[:, 0]) < 0, -1.0, 1.0)[:, None]
-    offset = axes[:, 1:, None] * _NODES[:, None]  # (m, 7, nodes, 8)
-    camera_error = _ExactLength(points, camera, error, length)
-
-    def border(sign: float) -> NDArray[np.float64]:
-        """z1 where the length error is sign T L: one Newton step, then secants."""
-        z = np.clip(sign * allowed / sigma, -_FAR, _FAR) + np.zeros(offset.shape[:-1])
-        miss = camera_error(offset + z[..., None] * axes[:, None, None, 0]) - sign * allowed
-        slope = np.broadcast_to(sigma, z.shape)
-        for _ in range(2):
-            step = np.clip(-miss / slope, -_FAR, _FAR)
-            moved = np.clip(z + step, -_FAR, _FAR)
-            again = camera_error(offset + moved[..., None] * axes[:, None, None, 0]) - sign * allowed
-            secant = np.divide(again - miss, moved - z, out=slope.copy(), where=np.abs(moved - z) > 1e-6)
-            slope = np.where(secant > 0.1 * sigma, secant, sigma)
-            z, miss = moved, again
-        return np.asarray(z - miss / slope)
-
-    held = ndtr(border(1.0)) - ndtr(border(-1.0))
-    return np.asarray(np.where(held > 0, held, 0.0))  # also where a line passes behind the camera
-
-
-class _ExactLength:
-    """Length errors of m segments for unit normals ``(m, ..., 8)``, with true rotations and the euclidean length."""
-
-    def __init__(
-        self, points: NDArray[np.float64], camera: Camera, error: PoseError, length_mm: NDArray[np.float64]
-    ) -> None:
-        assert error.T_camera_head is not None  # set by PoseError
-        self.pose, self.length_mm, self.factor = error.T_camera_head, length_mm, _twist_factor(error)
-        self.ends = transform(invert(self.pose), points)  # head frame
-        self.focal, self.steps = camera.focal_length_mm, np.asarray(camera.quantization_step_mm) / np.sqrt(6)
-
-    def __call__(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
-        twist = normals[..., :6] @ self.factor.T
-        (sx, sy, sz), (cx, cy, cz) = (np.moveaxis(g(twist[..., 3:]), -1, 0) for g in (np.sin, np.cos))
-        images = []
-        for end in (0, 1):
-            x, y, z = self.ends[:, end].T[..., None, None]
-            x, y = cz * x - sz * y, sz * x + cz * y
-            z, x = cy * z - sy * x, sy * z + cy * x
-            y, z = cx * y - sx * z, sx * y + cx * z
-            moved = np.stack([x, y, z], axis=-1) + twist[..., :3]
-            p = moved @ self.pose[:3, :3].T + self.pose[:3, 3]
-            depth = np.where(p[..., 2] > 0, p[..., 2], np.nan)
-            images.append(self.focal * p[..., :2] / depth[..., None])
-        delta = images[1] - images[0] + normals[..., 6:] * self.steps
-        return np.asarray(np.hypot(delta[..., 0], delta[..., 1]) - self.length_mm)

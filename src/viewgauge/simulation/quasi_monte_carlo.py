@@ -113,7 +113,27 @@ def estimate_success_probabilities(
     quantized = max(camera.quantization_step_mm) > 0
     if rank == 0 and not quantized:
         return _without_error(segments)
-    active, limit = list(segments), max_draws // SCRAMBLES
+    _refine(segments, rank, quantized, precision, confidence, max_draws // SCRAMBLES, seed)
+    return ExactEstimates(
+        np.array([s.probability for s in segments]),
+        np.array([s.low for s in segments]),
+        np.array([s.high for s in segments]),
+        np.array([s.expected_accuracy for s in segments]),
+        np.array([s.draws for s in segments], dtype=np.int64),
+    )
+
+
+def _refine(
+    segments: list[_Segment],
+    rank: int,
+    quantized: bool,
+    precision: float,
+    confidence: float,
+    limit: int,
+    seed: int,
+) -> None:
+    """Draw for each segment until its interval is as narrow as the precision, or the limit is reached."""
+    active = segments
     for points_each, normals, steps in _draws(rank, quantized, limit, seed):
         for segment in active:
             segment.add(normals, steps)
@@ -123,13 +143,6 @@ def estimate_success_probabilities(
             active = [s for s in active if max(s.probability - s.low, s.high - s.probability) > precision]
         if not active:
             break
-    return ExactEstimates(
-        np.array([s.probability for s in segments]),
-        np.array([s.low for s in segments]),
-        np.array([s.high for s in segments]),
-        np.array([s.expected_accuracy for s in segments]),
-        np.array([s.draws for s in segments], dtype=np.int64),
-    )
 
 
 def require_precision(precision: float) -> None:

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..exceptions import InputError, NoCandidateError
-from ..part import Dimension
+from ..part import Dimension, Unusable
 from ..part.gauge_table import GaugeTable
 from ..planning import Plan, choose_settings, not_measurable, sample_settings, without_allowed_error
 from .evaluate import DEFAULT_PRECISION, evaluate, simulate_pairs
@@ -17,8 +17,6 @@ from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
 __all__ = ["plan"]
-
-_MOST_CONFIRMATIONS = 20  # times that the exact camera may overthrow a choice
 
 
 def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress | None = None) -> Plan:
@@ -52,9 +50,21 @@ def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress 
         return Plan(inspection.seed, (), tuple(not_measurable(unusable)), lower_bound=0, candidate_count=0)
     candidates = _candidates(inspection, GaugeTable.of(dimensions).points)
     table = evaluate(inspection, candidates, progress=progress)
+    return _chosen(table, candidates, dimensions, unusable, inspection, progress)
+
+
+def _chosen(
+    table: xr.Dataset,
+    candidates: ExplicitSettings,
+    dimensions: tuple[Dimension, ...],
+    unusable: tuple[Unusable, ...],
+    inspection: Inspection,
+    progress: Progress,
+) -> Plan:
+    """The plan, chosen again until no chosen pair rests on a doubtful probability."""
     ids = candidates.ids if inspection.settings is not None else None
     doubtful = table["validity"].values != ""
-    for _ in range(_MOST_CONFIRMATIONS):
+    while True:  # each time round at least one doubtful pair fewer
         with progress.stage("Choosing the fewest settings"):
             chosen = choose_settings(
                 table,
@@ -68,11 +78,10 @@ def plan(inspection: Inspection, *, seed: int | None = None, progress: Progress 
         pairs = _pairs_of(chosen, table, candidates)
         pairs = pairs[doubtful[tuple(pairs.T)]]
         if not len(pairs):
-            break
+            return chosen
         with progress.stage("Confirming what the small-error model does not answer for"):
             table = _confirmed(table, pairs, candidates, dimensions, inspection)
         doubtful[tuple(pairs.T)] = False
-    return chosen
 
 
 def _pairs_of(chosen: Plan, table: xr.Dataset, candidates: ExplicitSettings) -> NDArray[np.int64]:
