@@ -15,10 +15,9 @@ import time
 from dataclasses import replace
 
 import viewgauge as vg
-from viewgauge.workflow import Silent
 
 
-class Stopwatch(Silent):
+class Stopwatch:
     """Prints how long each stage took."""
 
     def __init__(self) -> None:

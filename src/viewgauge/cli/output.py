@@ -8,7 +8,7 @@ from typing import Any
 
 __all__ = ["print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
 
-_STATUS_ORDER = {"unmet": 0, "not_measurable": 1, "met": 2}
+_STATUSES = ("unmet", "not_measurable", "met")
 
 
 def print_json(document: Any) -> None:
@@ -28,7 +28,7 @@ def print_error(error: Exception, *, as_json: bool) -> None:
 
 def print_plan(document: dict[str, Any], folder: str) -> None:
     """A plan in a few lines: the count, what is not met and why, and the table of what is."""
-    by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUS_ORDER}
+    by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUSES}
     count, bound = document["count"], document["lower_bound"]
     proof = "proven fewest" if document["proven"] else f"at least {bound} are needed"
     total, tried = len(document["dimensions"]), document["candidates"]

@@ -2,7 +2,7 @@
 
 The errors are eight independent unit normals: six of the pose and two of quantization, a normal of the same variance
 standing for the triangular difference of two uniforms. It serves to judge the small-error model, not to replace the
-exact camera of :mod:`viewgauge.simulation`, with which it shares no code.
+exact camera of :mod:`viewgauge.simulation`, with which it shares geometry alone.
 """
 
 from __future__ import annotations
@@ -13,19 +13,11 @@ from scipy.special import ndtr
 
 from ..geometry import Camera, PoseError, invert, transform
 
-__all__ = ["NODES", "WEIGHTS", "line_probabilities", "twist_factor"]
+__all__ = ["NODES", "WEIGHTS", "line_probabilities"]
 
 _FAR = 9.0  # standard deviations beyond which nothing happens
 NODES, _RAW_WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
 WEIGHTS = _RAW_WEIGHTS / _RAW_WEIGHTS.sum()
-
-
-def twist_factor(error: PoseError) -> NDArray[np.float64]:
-    """``(6, 6)``: pose error, head frame, of six unit normals; scaled before it is factored, mm against rad."""
-    deviations = np.sqrt(error.covariance.diagonal())
-    scale = np.where(deviations > 1e-150, deviations, 1.0)
-    values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
-    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def line_probabilities(
@@ -77,7 +69,7 @@ class _ExactLength:
 
     def __init__(self, points: NDArray[np.float64], camera: Camera, error: PoseError) -> None:
         assert error.T_camera_head is not None  # set by PoseError
-        self.pose, self.factor = error.T_camera_head, twist_factor(error)
+        self.pose, self.factor = error.T_camera_head, error.factor
         self.length_mm = np.linalg.norm(np.diff(camera.project(points), axis=-2)[:, 0], axis=-1)[:, None, None]
         self.ends = transform(invert(self.pose), points)  # head frame
         self.focal, self.steps = camera.focal_length_mm, np.asarray(camera.quantization_step_mm) / np.sqrt(6)

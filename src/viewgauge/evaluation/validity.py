@@ -26,8 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from ..geometry import Camera, PoseError, point_jacobian
-from ..geometry.poses import skew
-from .line_sampling import NODES, WEIGHTS, line_probabilities, twist_factor
+from .line_sampling import NODES, WEIGHTS, line_probabilities
 
 __all__ = ["WARNINGS", "probability_error", "validity"]
 
@@ -148,9 +147,7 @@ def _flat(
 
 
 def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Sizes:
-    assert error.T_camera_head is not None  # set by PoseError
-    R, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
-    camera_factor = np.block([[R, skew(origin) @ R], [np.zeros((3, 3)), R]]) @ twist_factor(error)
+    camera_factor = error.adjoint @ error.factor
     J = point_jacobian(points, camera.focal_length_mm) @ camera_factor
     image = np.diff(camera.project(points), axis=-2)[:, 0]
     length = np.hypot(image[:, 0], image[:, 1])

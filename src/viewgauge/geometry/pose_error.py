@@ -81,18 +81,35 @@ class PoseError:
         return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_head=T_camera_head)
 
     @property
-    def camera_covariance(self) -> NDArray[np.float64]:
-        """The same error as it acts at the camera's centre of projection, camera frame: ``A Sigma A^T``, (6, 6).
+    def adjoint(self) -> NDArray[np.float64]:
+        """``(6, 6)``: a pose error in the head frame as it acts at the centre of projection, camera frame.
 
-        A = [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_head``: the adjoint of the
-        pose, for translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
+        [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_head``: the adjoint of the pose, for
+        translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
         """
         assert self.T_camera_head is not None  # set in __post_init__
         R = self.T_camera_head[:3, :3]
         adjoint = np.zeros((6, 6))
         adjoint[:3, :3] = adjoint[3:, 3:] = R
         adjoint[:3, 3:] = skew(self.T_camera_head[:3, 3]) @ R
-        return np.asarray(adjoint @ self.covariance @ adjoint.T)
+        return adjoint
+
+    @property
+    def camera_covariance(self) -> NDArray[np.float64]:
+        """The same error as it acts at the camera's centre of projection, camera frame: ``A Sigma A^T``, (6, 6)."""
+        return np.asarray(self.adjoint @ self.covariance @ self.adjoint.T)
+
+    @property
+    def factor(self) -> NDArray[np.float64]:
+        """``(6, 6)`` F with ``F F^T`` the covariance: F z is a pose error, head frame, of six unit normals z.
+
+        Its columns are mm (rows 0 to 2) and rad (rows 3 to 5) per unit normal.
+        """
+        # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
+        deviations = np.sqrt(self.covariance.diagonal())
+        scale = np.where(deviations > 1e-150, deviations, 1.0)  # smaller underflow when squared
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:

@@ -22,7 +22,6 @@ __all__ = [
     "nominal_length",
     "require_points",
     "simulate_length_errors",
-    "twist_factor",
 ]
 
 
@@ -46,21 +45,12 @@ class Estimate:
 
 def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
-    rotations, shifts = _displacements(rng.standard_normal((draws, 6)) @ twist_factor(error).T)
+    rotations, shifts = _displacements(rng.standard_normal((draws, 6)) @ error.factor.T)
     displacement = np.zeros((draws, 4, 4))
     displacement[:, :3, :3] = np.moveaxis(rotations, -1, 0)
     displacement[:, :3, 3] = shifts.T
     displacement[:, 3, 3] = 1.0
     return displacement
-
-
-def twist_factor(error: PoseError) -> NDArray[np.float64]:
-    """A ``(6, 6)`` with ``A A^T`` the covariance: A z is a pose error [x, y, z, rx, ry, rz], mm and rad, head frame."""
-    # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
-    deviations = np.sqrt(error.covariance.diagonal())
-    scale = np.where(deviations > 1e-150, deviations, 1.0)  # smaller underflow when squared
-    values, vectors = np.linalg.eigh(error.covariance / np.outer(scale, scale))
-    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _displacements(twist: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -147,7 +137,7 @@ def simulate_length_errors(
     points = require_points(start, end)
     if points.shape != (2, 3):
         raise InputError("one segment at a time: start and end are points in front of the camera", got=points.shape)
-    twist = rng.standard_normal((draws, 6)) @ twist_factor(error).T
+    twist = rng.standard_normal((draws, 6)) @ error.factor.T
     located = rng.random((draws, 2, 2)) - 0.5
     return exact_length_errors(points, camera, error, twist, located[:, 1] - located[:, 0])
 

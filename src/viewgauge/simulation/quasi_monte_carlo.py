@@ -24,7 +24,7 @@ from scipy.stats import qmc
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError
-from .exact_camera import Estimate, exact_length_errors, nominal_length, require_points, twist_factor
+from .exact_camera import Estimate, exact_length_errors, nominal_length, require_points
 
 __all__ = ["ExactEstimates", "estimate_success_probabilities"]
 
@@ -153,7 +153,7 @@ def require_precision(precision: float) -> None:
 
 def twist_axes(error: PoseError) -> NDArray[np.float64]:
     """The factor of the covariance without the directions that have no variance: ``(6, rank)``, mm and rad."""
-    factor = twist_factor(error)
+    factor = error.factor
     deviations = np.sqrt(error.covariance.diagonal())
     share = np.divide(factor, deviations[:, None], out=np.zeros_like(factor), where=deviations[:, None] > 0)
     return factor[:, np.abs(share).max(axis=0) > 1e-7]  # the root of what eigenvalues are rounded to
