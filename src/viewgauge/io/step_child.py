@@ -5,13 +5,14 @@ OPTIONS is JSON. It leaves ``brep.npz`` and ``brep.json`` in FOLDER, or ``error.
 
 from __future__ import annotations
 
+import gc
 import json
+import os
 import sys
 from pathlib import Path
 from typing import TypedDict
 
 from ..exceptions import PartFileError
-from .brep_archive import save_brep
 
 __all__ = ["Options", "main"]
 
@@ -30,6 +31,7 @@ def main(arguments: list[str]) -> int:
     try:
         _limit_memory(options["memory_bytes"])
         # Imported here: its absence is reported like any other obstacle, and the limit holds for it too.
+        from .brep_archive import save_brep
         from .step import read_part
 
         brep = read_part(path, chord_error_mm=options["chord_error_mm"], with_pmi=options["with_pmi"])
@@ -66,4 +68,8 @@ def _refuse(folder: Path, kind: str, problem: str, error: PartFileError | None =
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    gc.disable()  # loading the kernel makes many objects and no garbage
+    code = main(sys.argv[1:])
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    os._exit(code)  # the result is in files by now: taking the kernel down in order costs as much as reading a part

@@ -12,24 +12,26 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-
-import numpy as np
+from typing import IO, TYPE_CHECKING
 
 from ..exceptions import PartFileError
-from ..part.brep import Brep
-from .brep_archive import load_brep
 from .step_child import Options
 
-__all__ = ["read_step"]
+if TYPE_CHECKING:  # the child is started before anything slow is imported
+    from ..part.brep import Brep
+
+__all__ = ["read_step", "reading_step"]
 
 _CHILD = (sys.executable, "-P", "-m", "viewgauge.io.step_child")
 _START, _END = b"ISO-10303-21", b"END-ISO-10303-21"
 _INSTALL = 'pip install "viewgauge[step]"'
 _MESSAGE_BYTES = 4096
+_TIMEOUT_S, _MEMORY_BYTES = 300.0, 6 * 2**30
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 # Threads and their arenas reserve address space by the core, and the limit is one of address space.
 _FRUGAL = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "2"}
@@ -39,8 +41,8 @@ def read_step(
     path: str | PathLike[str],
     *,
     chord_error_mm: float | None = None,
-    timeout_s: float = 300.0,
-    memory_bytes: int = 6 * 2**30,
+    timeout_s: float = _TIMEOUT_S,
+    memory_bytes: int = _MEMORY_BYTES,
     _child_command: Sequence[str] = (),
 ) -> Brep:
     """Read a part and the dimensions of its semantic PMI from a STEP file.
@@ -72,21 +74,50 @@ def read_step(
     PartFileError
         If the file cannot be read, or its reading crashes, takes too long or needs too much memory.
     """
-    path = Path(path)
-    _check_text(path)
-    if not _child_command and importlib.util.find_spec("OCP") is None:
-        raise _not_installed(path, None)
-    command = tuple(_child_command) or _CHILD
     options = Options(chord_error_mm=chord_error_mm, with_pmi=True, memory_bytes=memory_bytes)
-    outcome = _run(command, path, options, timeout_s)
-    if outcome.crash:
-        retried = _run(command, path, {**options, "with_pmi": False}, timeout_s)
-        if retried.brep is not None:
-            note = f"Reading the dimensions crashed the CAD kernel ({outcome.crash}): geometry only."
-            return replace(retried.brep, notes=(*retried.brep.notes, note))
-    if outcome.brep is None:
-        raise _error(path, outcome, options, timeout_s)
-    return outcome.brep
+    with _reading(Path(path), options, timeout_s, _child_command) as finish:
+        return finish()
+
+
+@contextlib.contextmanager
+def reading_step(path: str | PathLike[str]) -> Iterator[Callable[[], Brep]]:
+    """Begin what :func:`read_step` does; the block has time for other work until it calls what it is given.
+
+    That call waits for the part, and raises whatever is wrong with it. A block that ends without it ends the child.
+    """
+    options = Options(chord_error_mm=None, with_pmi=True, memory_bytes=_MEMORY_BYTES)
+    with _reading(Path(path), options, _TIMEOUT_S, ()) as finish:
+        yield finish
+
+
+@contextlib.contextmanager
+def _reading(
+    path: Path, options: Options, timeout_s: float, child_command: Sequence[str]
+) -> Iterator[Callable[[], Brep]]:
+    refusal = _refusal(path, needs_kernel=not child_command)
+    if refusal is not None:
+
+        def refuse() -> Brep:
+            raise refusal
+
+        yield refuse
+        return
+    command = tuple(child_command) or _CHILD
+    with _attempt(command, path, options, timeout_s) as outcome_of_first:
+
+        def finish() -> Brep:
+            outcome = outcome_of_first()
+            if outcome.crash:
+                with _attempt(command, path, {**options, "with_pmi": False}, timeout_s) as outcome_of_second:
+                    retried = outcome_of_second()
+                if retried.brep is not None:
+                    note = f"Reading the dimensions crashed the CAD kernel ({outcome.crash}): geometry only."
+                    return replace(retried.brep, notes=(*retried.brep.notes, note))
+            if outcome.brep is None:
+                raise _error(path, outcome, options, timeout_s)
+            return outcome.brep
+
+        yield finish
 
 
 @dataclass(frozen=True)
@@ -97,6 +128,16 @@ class _Outcome:
     refusal: dict[str, str | None] | None = None
     crash: str = ""
     messages: str = ""
+
+
+def _refusal(path: Path, *, needs_kernel: bool) -> PartFileError | None:
+    """Why no child is worth starting; None where one is."""
+    try:
+        _check_text(path)
+    except PartFileError as error:
+        return error
+    absent = needs_kernel and importlib.util.find_spec("OCP") is None
+    return _not_installed(path, None) if absent else None
 
 
 def _check_text(path: Path) -> None:
@@ -124,10 +165,15 @@ def _check_text(path: Path) -> None:
         raise PartFileError(problem, file=path, got=end, expected=expected, hint="copy or export it again")
 
 
-def _run(command: Sequence[str], path: Path, options: Options, timeout_s: float) -> _Outcome:
-    """One attempt of the child; its output goes to a file, so that none of it can block it."""
+@contextlib.contextmanager
+def _attempt(
+    command: Sequence[str], path: Path, options: Options, timeout_s: float
+) -> Iterator[Callable[[], _Outcome]]:
+    """One attempt of the child, which runs while the block does; what the block is given waits for its outcome.
+
+    Its output goes to a file, so that none of it can block it.
+    """
     with tempfile.TemporaryDirectory(prefix="viewgauge-") as name, tempfile.TemporaryFile() as output:
-        folder = Path(name)
         child = subprocess.Popen(
             [*command, str(path.absolute()), name, json.dumps(options)],
             stdin=subprocess.DEVNULL,
@@ -136,19 +182,29 @@ def _run(command: Sequence[str], path: Path, options: Options, timeout_s: float)
             start_new_session=True,
             env={**os.environ, **_FRUGAL},
         )
+        deadline = time.monotonic() + timeout_s
         try:
-            code = child.wait(timeout_s)
-        except subprocess.TimeoutExpired:
-            code = None
+            yield lambda: _outcome(child, deadline, Path(name), output)
         finally:
-            _kill(child)
-        output.seek(max(0, output.seek(0, os.SEEK_END) - _MESSAGE_BYTES))
-        messages = _COLOUR.sub("", output.read().decode("utf-8", "replace")).strip()
-        if code is None:
-            return _Outcome(messages=messages)
-        if code == 0:
-            return _delivered(folder, messages)
-        return _refused(folder, code, messages)
+            if child.returncode is None:  # nobody has asked for its outcome
+                _kill(child)
+
+
+def _outcome(child: subprocess.Popen[bytes], deadline: float, folder: Path, output: IO[bytes]) -> _Outcome:
+    """What became of the child, which ends now, if not by itself then at the deadline."""
+    try:
+        code = child.wait(max(0.0, deadline - time.monotonic()))
+    except subprocess.TimeoutExpired:
+        code = None
+    finally:
+        _kill(child)
+    output.seek(max(0, output.seek(0, os.SEEK_END) - _MESSAGE_BYTES))
+    messages = _COLOUR.sub("", output.read().decode("utf-8", "replace")).strip()
+    if code is None:
+        return _Outcome(messages=messages)
+    if code == 0:
+        return _delivered(folder, messages)
+    return _refused(folder, code, messages)
 
 
 def _kill(child: subprocess.Popen[bytes]) -> None:
@@ -162,6 +218,10 @@ def _kill(child: subprocess.Popen[bytes]) -> None:
 
 
 def _delivered(folder: Path, messages: str) -> _Outcome:
+    import numpy as np
+
+    from .brep_archive import load_brep
+
     try:
         brep = load_brep(folder)
     except (OSError, ValueError, KeyError, TypeError) as error:
