@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize.elementwise import find_root
 
 from ..exceptions import InputError
 
@@ -79,6 +78,8 @@ class Law(ABC):
         root = np.asarray(left, dtype=float).copy()
         open_bracket = width > 0
         if open_bracket.any():
+            from scipy.optimize.elementwise import find_root  # late: slow to import, and only quantiles need it
+
             found = find_root(
                 residual,
                 (np.zeros(open_bracket.sum()), np.ones(open_bracket.sum())),  # share of the bracket: any unit will do

@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize.elementwise import find_root
 from scipy.special import dawsn, erf, owens_t
 
 __all__ = ["log_density", "mode", "practical_moments", "ratio_cdf"]
@@ -95,6 +94,8 @@ def mode(s: _Array, r: _Array, m: _Array) -> _Array:
     The density can have two peaks (Marsaglia 2006), so it is looked up on a grid first: logarithmic about 0 (mean
     of the numerator) and about r/s (where both variables vanish together); the zero of the slope is then exact.
     """
+    from scipy.optimize.elementwise import find_root  # late: slow to import, and only the mode needs it
+
     steps = np.concatenate([[0.0], np.logspace(-10, 4, 400)])
     steps = np.concatenate([-steps[:0:-1], steps])
     with np.errstate(divide="ignore"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from ..exceptions import InputError
 
@@ -70,6 +69,8 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
     InputError
         If a quaternion's norm differs from 1 by more than 1e-4, or a position is not finite.
     """
+    from scipy.spatial.transform import Rotation  # late: slow to import, and a check of a part does without
+
     q = _vectors("quaternion_wxyz", quaternion_wxyz, 4)
     position = _points("position_mm", position_mm)
     norm = np.linalg.norm(q, axis=-1)
@@ -89,6 +90,8 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
 
 def quaternion_from_pose(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit quaternions ``(..., 4)``, scalar first and not negative, of poses ``(..., 4, 4)``."""
+    from scipy.spatial.transform import Rotation  # late, as above
+
     xyzw = Rotation.from_matrix(T_a_b[..., :3, :3].reshape(-1, 3, 3)).as_quat(canonical=True)
     return np.asarray(np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4))
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import beta
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, invert, transform
@@ -37,6 +36,8 @@ class Estimate:
     @classmethod
     def of(cls, successes: int, draws: int, confidence: float) -> Estimate:
         """Interval of Clopper and Pearson, *Biometrika* 26 (1934) 404-413."""
+        from scipy.stats import beta  # late: slow to import, and the first-order prediction does without
+
         tail = (1 - confidence) / 2
         low = 0.0 if successes == 0 else float(beta.ppf(tail, successes, draws - successes + 1))
         high = 1.0 if successes == draws else float(beta.ppf(1 - tail, successes + 1, draws - successes))

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri, stdtrit
-from scipy.stats import qmc
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError
@@ -163,6 +162,8 @@ def _draws(
     rank: int, quantized: bool, limit: int, seed: int
 ) -> Iterator[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
     """Points of each scramble so far, and of the next, scramble by scramble, the normals and the steps ``(n, 2)``."""
+    from scipy.stats import qmc  # late: slow to import, and the first-order prediction does without
+
     width = rank + 2 * quantized
     engines = [
         qmc.Sobol(width, scramble=True, bits=_SOBOL_BITS, seed=np.random.default_rng((seed, r)))
