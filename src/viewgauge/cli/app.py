@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import logging
 import os
 import sys
@@ -79,7 +81,7 @@ def _plan(
     bars = Bars()
     with workflow.output_folder(output):
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part)
+            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.plan)  # which imports it
         plan = workflow.plan(inspection, seed=seed, progress=bars)
         with bars.stage("Writing the report"):
             workflow.write_plan(plan, inspection, output)
@@ -126,7 +128,7 @@ def _evaluate(
     bars = Bars()
     with workflow.output_folder(output.parent) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part)
+            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.evaluate)  # which imports it
         table = workflow.evaluate(inspection, settings, method=method, precision=precision, progress=bars)
         if output is not None:
             workflow.write_evaluation(table, output)
@@ -163,6 +165,11 @@ def _check(file: Path, /, *, part: _Part = None, json: _Json = False) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
+    if arguments is None:  # the process is this command and nothing else
+        # Imports make a great many objects and no garbage: looking for some, as often as by default and once more
+        # as the process ends, takes most of a second.
+        gc.set_threshold(100_000, 50, 50)
+        atexit.register(gc.freeze)
     logging.getLogger("viewgauge").addHandler(logging.NullHandler())
     given = sys.argv[1:] if arguments is None else list(arguments)
     for stream in (sys.stdout, sys.stderr):

@@ -29,10 +29,8 @@ from .inspection_schema import (
     PoseSection,
     RequirementSection,
 )
-from .problems import Problems
-from .text import read_text
+from .inspection_text import InspectionText, read_inspection_text
 from .validation import build, validate
-from .yaml_tree import YamlTree, parse_yaml
 
 __all__ = ["DimensionEntry", "InspectionFile", "read_inspection_file"]
 
@@ -105,39 +103,23 @@ class InspectionFile:
     seed: int
 
 
-def read_inspection_file(path: str | os.PathLike[str]) -> InspectionFile:
-    """Read and check an inspection file.
+def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> InspectionFile:
+    """Read and check an inspection file, or one whose text is read already.
 
     Raises
     ------
     InspectionFileError
         With everything that is wrong with it: file, line, dotted key, what was got and what was expected.
     """
-    text = read_text(path, InspectionFileError)
-    if text.startswith("ISO-10303-21"):
-        raise InspectionFileError(
-            "this is a STEP file, not an inspection file",
-            file=path,
-            hint="give an inspection file (YAML), whose part.file names the STEP file",
-        )
-    problems = Problems(path)
-    tree = parse_yaml(text, problems)
-    if tree.value is None and not problems.found:
-        problems.add((), "the file is empty", line=1, expected="the sections camera, head and requirement")
-    elif tree.value is not None and not isinstance(tree.value, dict):
-        problems.add((), "not an inspection file", got=_start(tree.value), expected="sections such as 'camera:'")
-    if not isinstance(tree.value, dict):
-        problems.raise_if_any()
-    return _Reader(Path(path), tree, problems).read()
+    text = path if isinstance(path, InspectionText) else read_inspection_text(path)
+    return _Reader(text).read()
 
 
 class _Reader:
     """Reads the sections one by one, gathering the problems of all of them."""
 
-    def __init__(self, path: Path, tree: YamlTree, problems: Problems) -> None:
-        self.path = path
-        self.sections = cast(dict[str, object], tree.value)
-        self.problems = problems
+    def __init__(self, text: InspectionText) -> None:
+        self.path, self.sections, self.problems = text.path, text.sections, text.problems
 
     def read(self) -> InspectionFile:
         """The whole file; raises InspectionFileError."""
@@ -248,8 +230,3 @@ class _Reader:
             else:  # then the place to mend is here
                 self.problems.add(("head", "covariance"), error.problem, got=path, hint=error.hint)
             return None
-
-
-def _start(value: object) -> str:
-    text = str(value)
-    return text if len(text) <= 60 else text[:60] + " …"

@@ -1,12 +1,32 @@
 """The jobs a user asks for: load, check, evaluate, plan, write."""
 
-from .check import check
-from .evaluate import Method, best_of_each, evaluate, success_probability
-from .inspection import ExplicitSettings, Inspection
-from .load import load
-from .plan import plan
-from .progress import Progress, Silent
-from .write import describe_plan, output_folder, require_table_suffix, write_evaluation, write_plan
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..io.tables import require_table_suffix
+    from .check import check
+    from .evaluate import Method, best_of_each, evaluate, success_probability
+    from .inspection import ExplicitSettings, Inspection
+    from .load import load
+    from .plan import plan
+    from .progress import Progress, Silent
+    from .write import describe_plan, output_folder, write_evaluation, write_plan
+
+_HOME = {
+    "check": ".check",
+    **dict.fromkeys(("Method", "best_of_each", "evaluate", "success_probability"), ".evaluate"),
+    **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
+    "load": ".load",
+    "plan": ".plan",
+    **dict.fromkeys(("Progress", "Silent"), ".progress"),
+    **dict.fromkeys(("describe_plan", "output_folder", "write_evaluation", "write_plan"), ".write"),
+    "require_table_suffix": "..io.tables",
+}
 
 __all__ = [
     "ExplicitSettings",
@@ -26,3 +46,27 @@ __all__ = [
     "write_evaluation",
     "write_plan",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """Import a job when it is first asked for: one that reads a part does not wait for another's libraries."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])
+
+
+class _Package(ModuleType):
+    """This package, in which ``load`` is the function also after the module of that name has been imported."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

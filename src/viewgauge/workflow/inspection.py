@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-from ..evaluation import Requirement
-from ..geometry import Camera, PoseError
-from ..part import Part
-from ..planning import CandidateOptions
-from ..visibility import ObservationLimits
+    from ..evaluation import Requirement
+    from ..geometry import Camera, PoseError
+    from ..part import Part
+    from ..planning import CandidateOptions
+    from ..visibility import ObservationLimits
 
 __all__ = ["ExplicitSettings", "Inspection"]
 

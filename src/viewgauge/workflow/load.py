@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..exceptions import InputError, InspectionFileError, PartFileError
-from ..io.inspection import DimensionEntry, InspectionFile, read_inspection_file
-from ..io.meshes import read_mesh
-from ..io.settings import read_settings
-from ..io.step_process import read_step
-from ..part import Dimension, Part, Unusable
-from ..part.feature_lines import brep_feature_lines, mesh_feature_lines
-from ..part.gauges import derive_dimensions
-from ..part.mesh_gauges import gauge_on_mesh
-from .inspection import ExplicitSettings, Inspection
+from ..io.inspection_text import read_inspection_text
+from ..io.step_process import reading_step
+
+if TYPE_CHECKING:  # what takes long to import is imported while a child process reads the part
+    from ..io.inspection import DimensionEntry, InspectionFile
+    from ..part import Brep, Dimension, Part, Unusable
+    from .inspection import Inspection
 
 __all__ = ["load"]
 
@@ -24,7 +25,12 @@ _STEP_SUFFIXES = {".stp", ".step", ".p21"}
 _MESH_SUFFIXES = {".stl", ".ply", ".obj"}
 
 
-def load(path: str | PathLike[str], *, part: str | PathLike[str] | None = None) -> Inspection:
+def load(
+    path: str | PathLike[str],
+    *,
+    part: str | PathLike[str] | None = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> Inspection:
     """Read an inspection file and everything that it names.
 
     Parameters
@@ -33,19 +39,34 @@ def load(path: str | PathLike[str], *, part: str | PathLike[str] | None = None) 
         The inspection file (YAML).
     part
         CAD file or mesh, in place of the file's own ``part.file``.
+    meanwhile
+        Called once the inspection file is found right, while another process still reads a STEP file: the time to
+        import what comes next.
 
     Raises
     ------
     InputError
         If a file cannot be read or something in it cannot be used; it says where.
     """
-    file = read_inspection_file(path)
-    part_path = Path(part) if part is not None else file.part_file
-    if part_path is None:
-        raise InspectionFileError(
-            "no part is given", file=file.path, key="part.file", hint="name the part's file there, or with --part"
-        )
-    loaded = _with_entries(read_part(part_path), file)
+    text = read_inspection_text(path)
+    part_path = Path(part) if part is not None else text.part_file
+    with _reading_part(part_path) as finish:
+        from ..io.inspection import read_inspection_file
+
+        file = read_inspection_file(text)
+        if part_path is None:
+            raise InspectionFileError(
+                "no part is given", file=file.path, key="part.file", hint="name the part's file there, or with --part"
+            )
+        if meanwhile is not None:
+            meanwhile()
+        return _inspection(file, part_path, _with_entries(finish(), file))
+
+
+def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
+    from ..io.settings import read_settings
+    from .inspection import ExplicitSettings, Inspection
+
     settings = None
     if file.settings_file is not None:
         ids, poses = read_settings(file.settings_file)
@@ -53,7 +74,7 @@ def load(path: str | PathLike[str], *, part: str | PathLike[str] | None = None) 
     used = (file.path, part_path, file.settings_file, file.covariance_file)
     return Inspection(
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
-        part=loaded,
+        part=part,
         camera=file.camera,
         head=file.head,
         requirement=file.requirement,
@@ -65,34 +86,54 @@ def load(path: str | PathLike[str], *, part: str | PathLike[str] | None = None) 
     )
 
 
-def read_part(path: Path) -> Part:
-    """The part of a STEP file, with the dimensions of its PMI, or of a mesh, with none.
+@contextmanager
+def _reading_part(path: Path | None) -> Iterator[Callable[[], Part]]:
+    """Begin to read a part; call what the block is given for the part, or for the error that says why there is none.
 
-    Raises
-    ------
-    PartFileError
-        If the file is of another kind or cannot be read.
+    That of a STEP file comes with the dimensions of its PMI, that of a mesh with none.
     """
-    suffix = path.suffix.lower()
-    if suffix in _STEP_SUFFIXES:
-        brep = read_step(path)
-        dimensions, unusable = derive_dimensions(brep)
-        return Part(
-            name=brep.name or path.stem,
-            mesh=brep.mesh,
-            dimensions=dimensions,
-            unusable=unusable,
-            notes=brep.notes,
-            length_unit=brep.length_unit,
-            feature_lines=brep_feature_lines(brep),
-        )
-    if suffix in _MESH_SUFFIXES:
-        mesh, notes = read_mesh(path)
-        return Part(path.stem, mesh, (), notes=notes, feature_lines=mesh_feature_lines(mesh))
+    suffix = "" if path is None else path.suffix.lower()
+    if path is not None and suffix in _STEP_SUFFIXES:
+        with reading_step(path) as finish:
+            yield lambda: _part_of_step(finish, path)
+    elif path is not None and suffix in _MESH_SUFFIXES:
+        yield lambda: _part_of_mesh(path)
+    else:
+        yield lambda: _part_of_unknown(path)
+
+
+def _part_of_step(finish: Callable[[], Brep], path: Path) -> Part:
+    from ..part import Part
+    from ..part.feature_lines import brep_feature_lines
+    from ..part.gauges import derive_dimensions
+
+    brep = finish()
+    dimensions, unusable = derive_dimensions(brep)
+    return Part(
+        name=brep.name or path.stem,
+        mesh=brep.mesh,
+        dimensions=dimensions,
+        unusable=unusable,
+        notes=brep.notes,
+        length_unit=brep.length_unit,
+        feature_lines=brep_feature_lines(brep),
+    )
+
+
+def _part_of_mesh(path: Path) -> Part:
+    from ..io.meshes import read_mesh
+    from ..part import Part
+    from ..part.feature_lines import mesh_feature_lines
+
+    mesh, notes = read_mesh(path)
+    return Part(path.stem, mesh, (), notes=notes, feature_lines=mesh_feature_lines(mesh))
+
+
+def _part_of_unknown(path: Path | None) -> Part:
     raise PartFileError(
         "this kind of part file is not known",
         file=path,
-        got=f"suffix {path.suffix!r}",
+        got=f"suffix {path.suffix!r}" if path is not None else None,
         expected="STEP (.stp, .step, .p21) or a mesh (.stl, .ply, .obj)",
     )
 
@@ -138,6 +179,9 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
 
 
 def _own_dimension(entry: DimensionEntry, part: Part, file: InspectionFile) -> Dimension:
+    from ..part import Dimension
+    from ..part.mesh_gauges import gauge_on_mesh
+
     assert entry.start_mm is not None  # the caller's condition
     assert entry.end_mm is not None
     try:

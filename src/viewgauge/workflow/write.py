@@ -7,24 +7,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
-
-from ..evaluation import COLUMNS
 from ..exceptions import InputError
-from ..io.atomic import write_text_atomically
-from ..io.plan_files import plan_document, write_plan_files
-from ..io.tables import require_table_suffix, write_table
-from ..planning import Plan
-from ..report import render_report
-from .inspection import Inspection
 
-__all__ = ["describe_plan", "output_folder", "require_table_suffix", "write_evaluation", "write_plan"]
+if TYPE_CHECKING:  # what takes long to import is imported where it is used
+    import xarray as xr
+
+    from ..planning import Plan
+    from .inspection import Inspection
+
+__all__ = ["describe_plan", "output_folder", "write_evaluation", "write_plan"]
 
 
 def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
     """The content of plan.json."""
+    from ..io.plan_files import plan_document
+
     return plan_document(plan, inspection.requirement, inspection.inputs)
 
 
@@ -61,6 +60,10 @@ def output_folder(path: str | PathLike[str]) -> Iterator[Path]:
 
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
     """Write ``plan.json, settings.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
+    from ..io.atomic import write_text_atomically
+    from ..io.plan_files import write_plan_files
+    from ..report import render_report
+
     place = make_folder(folder)
     report = render_report(
         plan,
@@ -76,5 +79,8 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
 
 def write_evaluation(table: xr.Dataset, path: str | PathLike[str]) -> None:
     """Write the table as CSV, Parquet or Zarr, by suffix."""
+    from ..evaluation import COLUMNS
+    from ..io.tables import write_table
+
     optional = ("validity", "probability_low", "probability_high")  # after the standard columns, where there
     write_table(table, path, (*COLUMNS, *(name for name in optional if name in table)))
