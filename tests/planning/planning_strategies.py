@@ -33,3 +33,25 @@ def probability_tables(draw):
         if probability[:, j].max() < required:
             probability[draw(st.integers(0, rows - 1)), j] = draw(st.floats(required, 1))
     return probability, required
+
+
+@st.composite
+def streamed_levels(draw, most_rows=9, most_columns=5):
+    """Index, levels and certainty of settings: few levels, so that rows often dominate or equal each other.
+
+    Sometimes spread over more than 64 columns, the others all zero or all alike.
+    """
+    rows, columns = draw(st.integers(0, most_rows)), draw(st.integers(0, most_columns))
+    level = draw(hnp.arrays(np.uint16, (rows, columns), elements=st.sampled_from([0, 1, 2, 9000, 10000])))
+    certain = draw(hnp.arrays(bool, (rows, columns), elements=st.sampled_from([True, True, True, False])))
+    for k in range(1, rows):
+        if draw(st.booleans()):  # a part of the row before, or the same
+            level[k] = np.minimum(level[k], level[k - 1]) if draw(st.booleans()) else level[k - 1]
+    index = np.array(draw(st.permutations(range(3, 3 + 2 * rows, 2))), dtype=np.int64)
+    if columns and draw(st.booleans()):
+        at = draw(st.lists(st.integers(0, 139), min_size=columns, max_size=columns, unique=True))
+        wide = np.full((rows, 140), draw(st.sampled_from([0, 7])), dtype=np.uint16)
+        sure = np.ones((rows, 140), dtype=bool)
+        wide[:, at], sure[:, at] = level, certain
+        level, certain = wide, sure
+    return index, level, certain

@@ -2,6 +2,7 @@
 
 from .candidates import default_distance_range, sample_settings, spread_directions
 from .cover import Cover, minimum_cover, surest_minimum_cover
+from .dominance import Undominated, probability_levels
 from .options import CandidateOptions
 from .plan import choose_settings, not_measurable, without_allowed_error
 from .result import Plan, PlannedDimension, PlannedSetting
@@ -12,10 +13,12 @@ __all__ = [
     "Plan",
     "PlannedDimension",
     "PlannedSetting",
+    "Undominated",
     "choose_settings",
     "default_distance_range",
     "minimum_cover",
     "not_measurable",
+    "probability_levels",
     "sample_settings",
     "spread_directions",
     "surest_minimum_cover",
