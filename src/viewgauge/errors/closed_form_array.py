@@ -34,6 +34,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import InputError
+
 __all__ = ["central_probability_into"]
 
 _SMALL = 0.7
@@ -46,6 +48,9 @@ _SURE = 7.5
 """An allowed error of this many sigma beyond the widest quantization error is certain, to 1e-13."""
 _TILE = 1024
 """Pairs sorted by form at once: their values stay in the first-level cache."""
+_LANES = 32
+"""The forms run over whole groups of so many pairs. The few that a loop leaves over would be computed one by one:
+slowly, and rounded otherwise, so that a result would depend on its neighbours."""
 
 _BERNOULLI = [Fraction(*r) for r in ((1, 6), (-1, 30), (1, 42), (-1, 30), (5, 66), (-691, 2730), (7, 6), (-3617, 510))]
 # kappa_2k / (2k)! for h = 1, k = 2 … 8
@@ -228,8 +233,13 @@ _loops = tuple(_loop(form) for form in (_both_small, _narrow_small, _none_small)
 _loop_both, _loop_narrow, _loop_none = _loops
 
 
+_DONE = np.int64(3)  # comes after the three forms: nothing to compute
+_PAIRS_IN = numba.types.Array(numba.float64, 1, "C", readonly=True)  # takes writable arrays as well
+_PAIRS_OUT = numba.types.Array(numba.float64, 1, "C")
+
+
 @numba.njit(
-    "void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])",
+    numba.void(_PAIRS_IN, _PAIRS_IN, _PAIRS_IN, _PAIRS_IN, _PAIRS_OUT),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -237,34 +247,36 @@ _loop_both, _loop_narrow, _loop_none = _loops
 )
 def _central_into(x, sigma, a, b, out):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
     where = np.empty((4, _TILE), np.int64)
-    values = np.empty((4, 5, _TILE))
+    values = np.ones((4, 5, _TILE))
     counts = np.empty(4, np.int64)
     for first in range(0, x.size, _TILE):
         counts[:] = 0
         for k in range(first, min(first + _TILE, x.size)):  # without branches: which form comes next is hard to foresee
-            wide, narrow = max(a[k], b[k]), min(a[k], b[k])
-            scale = max(wide, sigma[k])
-            certain = (x[k] >= 0.0) & (x[k] >= wide + narrow + _SURE * sigma[k])
-            out[k] = 1.0 if certain else 0.0
-            difference = wide > _SMALL * sigma[k]
+            here, spread, wide, narrow = x[k], sigma[k], max(a[k], b[k]), min(a[k], b[k])
+            total = here + spread + a[k] + b[k]
+            scale = max(wide, spread)
+            certain = (here >= 0.0) & (here >= wide + narrow + _SURE * spread)
+            undefined = total != total  # NaN
+            difference = wide > _SMALL * spread
             form = np.int64(difference) + np.int64(
-                difference & (narrow > _SMALL * sigma[k]) & (narrow > _NEGLIGIBLE * wide)
+                difference & (narrow > _SMALL * spread) & (narrow > _NEGLIGIBLE * wide)
             )
-            form = 3 if certain | (x[k] < 0.0) else form  # 3: nothing to compute
+            form = _DONE if certain | undefined | (here < 0.0) else form
             n, unit = counts[form], 1.0 / max(scale, 1e-300)  # in this unit no square under- or overflows
             where[form, n] = k
-            values[form, 0, n], values[form, 1, n] = x[k] * unit, sigma[k] * unit
+            values[form, 0, n], values[form, 1, n] = here * unit, spread * unit
             values[form, 2, n], values[form, 3, n] = wide * unit, narrow * unit
             counts[form] = n + 1
+            out[k] = total if undefined else (1.0 if certain else 0.0)
         v = values[0]
-        _loop_both(v[0], v[1], v[2], v[3], v[4], counts[0])
+        _loop_both(v[0], v[1], v[2], v[3], v[4], -(-counts[0] // _LANES) * _LANES)
         v = values[1]
-        _loop_narrow(v[0], v[1], v[2], v[3], v[4], counts[1])
+        _loop_narrow(v[0], v[1], v[2], v[3], v[4], -(-counts[1] // _LANES) * _LANES)
         v = values[2]
-        _loop_none(v[0], v[1], v[2], v[3], v[4], counts[2])
-        for form in range(3):
-            for k in range(counts[form]):
-                out[where[form, k]] = min(max(values[form, 4, k], 0.0), 1.0)
+        _loop_none(v[0], v[1], v[2], v[3], v[4], -(-counts[2] // _LANES) * _LANES)
+        for computed in range(_DONE):
+            for k in range(counts[computed]):
+                out[where[computed, k]] = min(max(values[computed, 4, k], 0.0), 1.0)
 
 
 def central_probability_into(
@@ -274,9 +286,18 @@ def central_probability_into(
     b: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
-    """P(|error| <= x) to an absolute 1e-11, written to ``out``; 0 for negative x.
+    """P(|error| <= x) to an absolute 1e-11, written to ``out``; 0 for negative x, NaN where an argument is NaN.
 
-    All arguments are contiguous float64 arrays of one shape ``(n,)`` and one unit; sigma, a, b not negative. Other
-    Python threads run meanwhile. :func:`closed_form.central_probability` is the reference, exact to 1e-15.
+    All arguments are contiguous float64 arrays of one shape ``(n,)`` and one unit; sigma, a, b finite, not negative.
+    ``out`` may be one of the arguments. Other Python threads run meanwhile; each value depends on its own four
+    arguments only, to the last bit. :func:`closed_form.central_probability` is the reference, exact to 1e-15.
+
+    Raises
+    ------
+    InputError
+        If the shapes differ: the compiled loop would read or write beyond an array's end.
     """
+    shapes = [argument.shape for argument in (x, sigma, a, b, out)]
+    if shapes.count(shapes[0]) != len(shapes):
+        raise InputError("must have one shape", key="x, sigma, a, b, out", got=str(shapes), expected="five times (n,)")
     _central_into(x, sigma, a, b, out)
