@@ -377,6 +377,15 @@ def test_a_step_file_that_crashes_or_hangs_the_reader(capsys, monkeypatch, code,
     assert telling in err
 
 
+def test_what_is_wrong_with_the_inspection_file_is_told_before_its_part(capsys):
+    write(part="{file: none.step}", camera=SECTIONS["camera"].replace("16 mm", "16"))
+    err = refused(capsys, "check", "inspection.yaml")
+    assert "camera.focal_length" in err
+    assert "none.step" not in err
+    write(part="{file: none.step}")
+    assert "none.step: the file does not exist" in refused(capsys, "check", "inspection.yaml")
+
+
 def test_no_candidate_left(capsys):
     write(candidates="{distance: [1, 2] mm, targets: 0}")
     err = refused(capsys, "plan", "inspection.yaml", "-o", "out")

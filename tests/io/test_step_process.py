@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from viewgauge.exceptions import PartFileError
+from viewgauge.io import step_process
 from viewgauge.io.brep_archive import load_brep, save_brep
 from viewgauge.io.step_child import main as child_main
-from viewgauge.io.step_process import read_step
+from viewgauge.io.step_process import read_step, reading_step
 from viewgauge.part.brep import Brep, Callout, Edge, Face, Reference
 from viewgauge.part.mesh import Mesh
 
@@ -200,6 +201,39 @@ def _wait_until_gone(pid: int) -> None:
             return
         time.sleep(0.1)
     pytest.fail(f"process {pid} is still there")
+
+
+def test_other_work_is_done_while_the_child_reads(step_file, tmp_path, monkeypatch):
+    flag = tmp_path / "flag"
+    wait = f"import os, time\nwhile not os.path.exists({str(flag)!r}): time.sleep(0.01)\n"
+    monkeypatch.setattr(step_process, "_CHILD", child(wait + SAVE))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: name)
+    with reading_step(step_file) as finish:
+        flag.touch()  # while the child waits for it
+        assert finish().name == "part"
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, PartFileError])
+def test_a_block_that_fails_ends_the_child(step_file, tmp_path, monkeypatch, interruption):
+    pid = tmp_path / "pid"
+    code = f"import os, time\nopen({str(pid)!r}, 'w').write(str(os.getpid()))\ntime.sleep(600)"
+    monkeypatch.setattr(step_process, "_CHILD", child(code))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: name)
+
+    def wait_and_fail():
+        while not (pid.exists() and pid.read_text()):
+            time.sleep(0.01)
+        raise interruption("now")
+
+    with pytest.raises(interruption), reading_step(step_file):
+        wait_and_fail()
+    if os.name == "posix":
+        _wait_until_gone(int(pid.read_text()))
+
+
+def test_what_is_wrong_with_the_file_is_told_when_the_part_is_asked_for(tmp_path):
+    with reading_step(tmp_path / "none.step") as finish, pytest.raises(PartFileError, match="does not exist"):
+        finish()
 
 
 def test_a_flood_of_messages_neither_blocks_nor_shows(step_file, capfd):

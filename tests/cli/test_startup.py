@@ -1,0 +1,100 @@
+"""What a command does not need it does not load: told by the modules that are there afterwards, not by time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BOX = """part:
+  file: box.stl
+  dimensions:
+    - {id: width, start: "[0, 0, 40] mm", end: "[80, 0, 40] mm", tolerance: 0.1 mm}
+camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
+head: {translation: 0.1 mm, rotation: 0.02 deg}
+requirement: {accuracy: 0.9, probability: 0.5}
+"""
+SETTINGS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\n"
+STEP = "ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n"
+HEAVY = {"numpy", "scipy", "numba", "xarray", "pandas", "trimesh", "pydantic", "pint", "ruamel.yaml", "OCP", "plotly"}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    import trimesh
+
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export("box.stl")
+    Path("inspection.yaml").write_text(BOX)
+    Path("settings.csv").write_text(SETTINGS)
+
+
+def loaded(code: str) -> set[str]:
+    """The modules that a fresh interpreter has after running code, which may print."""
+    code += "\nimport sys\nprint('\\nmodules:', *sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.rpartition("modules:")[2].split())
+
+
+def after(*arguments: str) -> set[str]:
+    """The modules that are there after a command that succeeds."""
+    return loaded(f"from viewgauge.cli import main\nassert main({list(arguments)!r}) == 0")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["evaluate", "--help"]])
+def test_help_loads_nothing_heavy(arguments):
+    modules = after(*arguments)
+    assert not modules & {*HEAVY, "viewgauge.workflow"}
+
+
+def test_check_of_a_mesh_loads_no_kernel_no_report_and_no_simulation():
+    modules = after("check", "inspection.yaml")
+    assert "trimesh" in modules
+    absent = {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.simulation", "viewgauge.io.step"}
+    assert not modules & absent
+
+
+def test_evaluate_loads_no_kernel_no_report_and_no_statistics():
+    modules = after("evaluate", "inspection.yaml", "--settings", "settings.csv", "-o", "table.csv")
+    assert "numba" in modules
+    assert not modules & {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.io.step"}
+
+
+def test_a_step_file_s_reading_begins_before_anything_heavy_is_loaded():
+    Path("part.step").write_text(STEP)
+    Path("inspection.yaml").write_text(BOX.replace("box.stl", "part.step"))
+    modules = loaded(
+        "from viewgauge.io import step_process\n"
+        "from viewgauge.workflow import load\n"
+        "class Started(Exception): pass\n"
+        "def popen(*_, **__): raise Started\n"
+        "step_process.subprocess.Popen = popen\n"
+        "step_process.importlib.util.find_spec = lambda name: name\n"
+        "try:\n"
+        "    load('inspection.yaml')\n"
+        "except Started:\n"
+        "    started = True\n"
+        "assert started"
+    )
+    assert not modules & (HEAVY - {"ruamel.yaml"})
+
+
+def test_the_child_loads_the_kernel_and_nothing_else_that_is_slow():
+    pytest.importorskip("OCP")
+    modules = loaded("import viewgauge.io.step_child, viewgauge.io.step, viewgauge.io.brep_archive")
+    assert "OCP" in modules
+    assert not modules & (HEAVY - {"numpy", "OCP"})
+
+
+def test_a_job_is_a_function_also_after_its_module_was_imported():
+    loaded(
+        "import importlib, viewgauge as vg\n"
+        "import viewgauge.workflow as w\n"
+        "for name in w.__all__:\n"
+        "    importlib.import_module(w._HOME[name], 'viewgauge.workflow')\n"
+        "for name in ('load', 'check', 'evaluate', 'plan'):\n"
+        "    assert getattr(w, name) is getattr(vg, name) and callable(getattr(w, name)), name\n"
+        "assert set(w.__all__) == set(w._HOME) and set(w.__all__) <= set(dir(w))"
+    )
