@@ -1,0 +1,32 @@
+"""The benchmarks run, their ways agree with each other, and the report is made of them; nothing is timed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def run(*arguments):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    done = subprocess.run([sys.executable, *arguments], cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    file = tmp_path_factory.mktemp("benchmarks") / "results.json"
+    options = ("--tiny", "--benchmark-only", f"--benchmark-json={file}", "-p", "no:cacheprovider")
+    assert "passed" in run("-m", "pytest", "benchmarks", *options)
+    return file
+
+
+def test_the_report_has_a_row_for_every_way(results):
+    report = run("benchmarks/report.py", "--from", str(results))
+    assert report.startswith("Machine: ")
+    for name in ("array code, one thread", "two threads", "scalar code", "nine terms", "OpenTURNS", "quad", "Monte"):
+        assert name in report
