@@ -23,16 +23,15 @@ def acceptances(draw):
 
 
 @st.composite
-def probability_tables(draw):
-    """Probabilities, with ties and values equal to the required one, which every dimension reaches somewhere."""
+def level_tables(draw):
+    """Levels, with ties and the ends of the range, every dimension above 0 somewhere."""
     rows, columns = draw(st.integers(1, 7)), draw(st.integers(0, 6))
-    required = draw(st.sampled_from([0.5, 0.9, 0.95]))
-    few = st.sampled_from([0.0, 0.3, required, np.nextafter(required, 0), 0.96, 0.97, 0.99, 1.0])
-    probability = draw(hnp.arrays(float, (rows, columns), elements=few | st.floats(0, 1)))
+    few = st.sampled_from([0, 0, 1, 2, 9000, 9999, 10000])
+    level = draw(hnp.arrays(np.uint16, (rows, columns), elements=few | st.integers(0, 10000)))
     for j in range(columns):
-        if probability[:, j].max() < required:
-            probability[draw(st.integers(0, rows - 1)), j] = draw(st.floats(required, 1))
-    return probability, required
+        if not level[:, j].any():
+            level[draw(st.integers(0, rows - 1)), j] = draw(st.integers(1, 10000))
+    return level
 
 
 @st.composite

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from planning_strategies import acceptances, probability_tables
+from hypothesis import strategies as st
+from planning_strategies import acceptances, level_tables
 
 from viewgauge.planning import cover as cover_module
 from viewgauge.planning import minimum_cover, surest_minimum_cover
@@ -38,23 +40,82 @@ def test_equals_brute_force(accepted):
 
 
 @settings(max_examples=300, deadline=None)
-@given(case=probability_tables())
-def test_the_surest_of_the_least_equals_brute_force(case):
-    probability, required = case
-    cover = surest_minimum_cover(probability, required)
-    least = every_least_cover(probability >= required)
+@given(level=level_tables())
+def test_the_surest_of_the_least_equals_brute_force(level):
+    cover = surest_minimum_cover(level)
+    least = every_least_cover(level > 0)
     assert len(cover.chosen) == len(least[0])
-    assert covers(probability >= required, cover.chosen)
+    assert covers(level > 0, cover.chosen)
     assert cover.proven
-    if probability.shape[1]:
-        surest = max(min(max(probability[k, j] for k in c) for j in range(probability.shape[1])) for c in least)
-        assert min(max(probability[k, j] for k in cover.chosen) for j in range(probability.shape[1])) == surest
+    if level.shape[1]:
+        surest = max(min(max(level[k, j] for k in c) for j in range(level.shape[1])) for c in least)
+        assert min(max(level[k, j] for k in cover.chosen) for j in range(level.shape[1])) == surest
+
+
+@settings(max_examples=200, deadline=None)
+@given(accepted=acceptances())
+def test_the_reductions_keep_the_least_number(accepted):
+    needed, rows, columns = cover_module._reduced(accepted)
+    assert set(needed).isdisjoint(rows.tolist())
+    left = accepted[np.ix_(rows, columns)]
+    assert (left.sum(axis=0) > 1).all(), "of one holder the column is gone with it"
+    assert len(needed) + len(every_least_cover(left)[0]) == len(every_least_cover(accepted)[0])
+    parts = cover_module._components(left)
+    assert sorted(j for _, c in parts for j in c) == list(range(len(columns)))
+    assert len({k for r, _ in parts for k in r}) == sum(len(r) for r, _ in parts)
+
+
+@settings(max_examples=200, deadline=None)
+@given(accepted=acceptances(), data=st.data())
+def test_no_prices_bound_too_high_and_what_they_exclude_is_in_no_least_cover(accepted, data):
+    least = every_least_cover(accepted)
+    if not least[0]:
+        return
+    prices = st.lists(st.integers(1, 9), min_size=accepted.shape[1], max_size=accepted.shape[1])
+    assert cover_module._price_bound(accepted, np.array(data.draw(prices))) <= len(least[0])
+    affordable = cover_module._affordable(accepted, len(least[0]))
+    assert all(affordable[list(chosen)].all() for chosen in least)
+
+
+@pytest.mark.parametrize("closing", ["search", "HiGHS"])
+@pytest.mark.parametrize("columns", [9, 70])
+def test_both_ways_to_close_the_gap_equal_brute_force(closing, columns):
+    """Instances in which the greedy cover is often too large, with more columns than one word of the bit set too."""
+    rng = np.random.default_rng(columns)
+    for _ in range(60):
+        accepted = rng.random((12, columns)) < rng.choice([0.3, 0.6])
+        accepted[rng.integers(0, 12, columns), np.arange(columns)] = True
+        least = len(every_least_cover(accepted)[0])
+        for most in range(1, least + 2):
+            if closing == "search":
+                found, decided = cover_module._searched(accepted, most)
+                assert decided
+            else:
+                found, bound = cover_module._solved(accepted, most, time.monotonic() + 60)
+                assert bound > most if found is None else bound == len(found)
+            if most < least:
+                assert found is None
+            else:
+                assert covers(accepted, found)
+                assert len(found) <= most
+
+
+def test_independent_parts_are_solved_apart():
+    rng = np.random.default_rng(8)
+    parts = [rng.random((10, 7)) < 0.4 for _ in range(4)]
+    for part in parts:
+        part[np.arange(7), np.arange(7)] = True
+    whole = np.zeros((40, 28), dtype=bool)
+    for k, part in enumerate(parts):
+        whole[10 * k : 10 * k + 10, 7 * k : 7 * k + 7] = part
+    cover = minimum_cover(whole[rng.permutation(40)][:, rng.permutation(28)])
+    assert len(cover.chosen) == cover.lower_bound == sum(len(every_least_cover(part)[0]) for part in parts)
 
 
 def test_no_dimension_needs_no_setting():
     assert minimum_cover(np.zeros((4, 0), dtype=bool)).chosen == ()
-    assert surest_minimum_cover(np.zeros((4, 0)), 0.9).proven
-    assert surest_minimum_cover(np.zeros((0, 0)), 0.9).chosen == ()
+    assert surest_minimum_cover(np.zeros((4, 0), np.uint16)).proven
+    assert surest_minimum_cover(np.zeros((0, 0), np.uint16)).chosen == ()
 
 
 def test_a_dimension_that_nothing_accepts_is_refused():
@@ -70,25 +131,29 @@ def test_greedy_is_not_enough():
     assert minimum_cover(accepted).chosen == (1, 2)
 
 
-def test_the_same_input_gives_the_same_cover():
+def test_the_cover_depends_on_the_set_of_rows_alone():
+    """The same rows in any order give the same rows, and of equal ones the first."""
     rng = np.random.default_rng(3)
-    probability = rng.random((100, 15)) ** 0.3
-    first = surest_minimum_cover(probability, 0.9)
-    assert all(surest_minimum_cover(probability, 0.9) == first for _ in range(3))
+    level = rng.integers(0, 3000, (150, 12)) * (rng.random((150, 12)) < 0.4)
+    level = np.vstack([level, level[:75]]).astype(np.uint16)
+    for find in (surest_minimum_cover, lambda table: minimum_cover(table > 1500)):
+        first = find(level)
+        assert find(level) == first
+        assert max(first.chosen) < 150
+        for _ in range(4):
+            order = rng.permutation(225)
+            again = find(level[order])
+            assert again.lower_bound == first.lower_bound
+            chosen = level[order][list(again.chosen)]
+            if find is surest_minimum_cover:
+                assert {tuple(row) for row in chosen} == {tuple(row) for row in level[list(first.chosen)]}
+            for k in again.chosen:
+                equal = (level[order] == level[order][k]).all(axis=1)
+                assert find is not surest_minimum_cover or k == np.nonzero(equal)[0][0]
 
 
-def test_the_order_of_settings_does_not_change_how_sure_it_is():
-    rng = np.random.default_rng(4)
-    probability = rng.random((200, 12)) ** 0.3
-    best = [
-        probability[order][list(surest_minimum_cover(probability[order], 0.9).chosen)].max(axis=0).min()
-        for order in (np.arange(200), rng.permutation(200), rng.permutation(200))
-    ]
-    assert best[0] == best[1] == best[2]
-
-
-def test_many_rows_are_reduced_to_the_undominated_across_blocks():
-    """More rows than one block of the pairwise comparison holds, each copied: the two whole rows win."""
+def test_of_many_rows_the_two_that_are_whole_are_found():
+    """Among thousands of rows, each of them twice."""
     rng = np.random.default_rng(5)
     accepted = rng.random((3000, 14)) < 0.3
     accepted[1700] = [True] * 7 + [False] * 7
@@ -120,40 +185,48 @@ def _on_a_line(*points) -> bool:
 
 
 def random_instance():
-    rng = np.random.default_rng(6)
+    """One whose greedy cover has 8 rows and whose price bound is 6; the least number is 7."""
+    rng = np.random.default_rng(10)
     accepted = rng.random((60, 40)) < 0.15
     accepted[np.arange(40) % 60, np.arange(40)] = True
     return accepted
 
 
-def test_time_up_before_any_cover_still_gives_a_cover_with_an_honest_bound(monkeypatch):
-    monkeypatch.setattr(cover_module, "milp", lambda *_, **__: SimpleNamespace(x=None, status=1, mip_dual_bound=None))
+@pytest.fixture
+def cut_off(monkeypatch):
+    """Has HiGHS end out of time with the outcome given as a function of the true one; the search does nothing."""
+
+    def arrange(outcome):
+        now, true = [0.0], cover_module.milp
+
+        def milp(*args, **options):
+            now[0] = np.inf
+            return SimpleNamespace(status=1, **outcome(true(*args, **{**options, "options": {}})))
+
+        monkeypatch.setattr(cover_module, "_SEARCH_STEPS", 0)
+        monkeypatch.setattr(cover_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
+        monkeypatch.setattr(cover_module, "milp", milp)
+
+    return arrange
+
+
+@pytest.mark.parametrize(
+    ("bound", "known", "rows", "lower_bound"),
+    [(None, False, 8, 6), (4.2, False, 8, 6), (6.2, False, 8, 7), (None, True, 7, 6), (6.2, True, 7, 7)],
+)
+def test_time_up_gives_the_best_cover_and_bound_so_far(cut_off, bound, known, rows, lower_bound):
+    cut_off(lambda true: {"x": true.x if known else None, "mip_dual_bound": bound})
     accepted = random_instance()
-    cover = minimum_cover(accepted, time_limit_s=1e-9)
-    assert covers(accepted, cover.chosen)
-    assert len(set(cover.chosen)) == len(cover.chosen)
-    assert cover.lower_bound == 1
-    assert not cover.proven
-
-
-def test_time_up_with_a_cover_at_hand_keeps_it_and_the_bound_proven_so_far(monkeypatch):
-    accepted = random_instance()
-    rows = cover_module._undominated(accepted)
-
-    def cut_off(c, **_):
-        return SimpleNamespace(x=np.ones_like(c), status=1, mip_dual_bound=3.2)
-
-    monkeypatch.setattr(cover_module, "milp", cut_off)
     cover = minimum_cover(accepted)
-    assert cover.chosen == tuple(rows)
-    assert cover.lower_bound == 4
-    assert not cover.proven
+    assert covers(accepted, cover.chosen)
+    assert (len(cover.chosen), cover.lower_bound) == (rows, lower_bound)
+    assert cover.proven == (rows == lower_bound)
 
 
 def test_a_search_without_time_still_gives_a_cover_with_an_honest_bound():
     accepted = random_instance()
     proven = minimum_cover(accepted)
     assert proven.proven
-    cover = surest_minimum_cover(accepted.astype(float), 0.5, time_limit_s=0.0)
+    cover = surest_minimum_cover(accepted.astype(np.uint16), time_limit_s=0.0)
     assert covers(accepted, cover.chosen)
     assert cover.lower_bound <= len(proven.chosen) <= len(cover.chosen)

@@ -1,14 +1,30 @@
-"""The fewest settings that cover every dimension: exact minimum set cover by HiGHS."""
+"""The fewest settings that cover every dimension: exact minimum set cover.
+
+What the exact reductions leave is parted into independent components. Each is bracketed between a greedy cover and the
+price bound below; a gap is closed by a depth-first search of limited work and, where that is not enough, by HiGHS.
+
+*Price bound*: give each dimension j a whole price p_j >= 0, and let S be the highest price of what one setting holds.
+A cover by k settings pays for everything, so ``sum p <= k S``. The best prices are the dual solution of the linear
+relaxation; rounded to whole numbers they bound without any tolerance. With at most K settings allowed, a setting r is
+in no cover if what it leaves is too dear for the others: ``sum p - p(r) > (K - 1) S``. (Caprara, Toth, Fischetti 2000,
+Algorithms for the set covering problem, Annals of Operations Research 98, sections 2 and 3.)
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from .dominance import maximal_rows
 
 __all__ = ["Cover", "minimum_cover", "surest_minimum_cover"]
 
@@ -16,7 +32,10 @@ DEFAULT_TIME_LIMIT_S = 60.0
 """Longest search for the fewest settings, and again for the surest among them. Real parts take well under a
 second; a search that is cut off says so by its gap, and only then may two runs differ."""
 
-_ROWS_PER_BLOCK = 1024  # of the pairwise comparison in which dominated settings are found
+_SEARCH_STEPS = 200_000_000  # of one depth-first search, about 2 s; counted, not timed, so that two runs agree
+_PRICE_UNIT = 1 << 30  # the price that stands for 1 in the linear relaxation
+
+_compiled: Callable[[Any], Any] = numba.njit(cache=True, nogil=True)
 
 
 @dataclass(frozen=True)
@@ -35,82 +54,349 @@ class Cover:
 def minimum_cover(accepted: NDArray[np.bool_], time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
     """Fewest rows of ``accepted`` (n settings, d dimensions) whose union holds every column.
 
-    Every column must be held by some row (ValueError otherwise). When the time is up the best cover so far is
-    returned with the bound proven so far.
+    Every column must be held by some row (ValueError otherwise). The cover depends on the set of rows alone, not on
+    their order; of equal rows it has the first. When the time is up the best cover so far is returned with the bound
+    proven so far.
     """
-    if accepted.shape[1] == 0:
-        return Cover((), 0)
-    if not accepted.any(axis=0).all():
-        raise ValueError("a dimension is accepted from no setting")
-    rows = _undominated(accepted)
-    holds = accepted[rows]
-    result = milp(
-        np.ones(len(rows)),
-        integrality=np.ones(len(rows)),
-        bounds=Bounds(0, 1),
-        constraints=LinearConstraint(csr_array(holds.T.astype(float)), lb=1, ub=np.inf),
-        options={"time_limit": time_limit_s},
-    )
-    if result.x is None:  # the time was up before a first cover was found
-        return Cover(tuple(sorted(rows[_greedy(holds)])), 1)
-    chosen = rows[np.nonzero(result.x > 0.5)[0]]
-    bound = len(chosen) if result.status == 0 else int(np.ceil(result.mip_dual_bound - 1e-6))
-    return Cover(tuple(sorted(int(k) for k in chosen)), max(1, bound))
+    _require_cover(accepted)
+    rows = _in_order_of_content(accepted)
+    chosen, bound = _fewest(accepted[rows], time.monotonic() + time_limit_s)
+    return Cover(tuple(sorted(rows[chosen].tolist())), bound)
 
 
-def surest_minimum_cover(
-    probability: NDArray[np.float64], required: float, time_limit_s: float = DEFAULT_TIME_LIMIT_S
-) -> Cover:
+def surest_minimum_cover(level: NDArray[np.uint16], time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
     """Among the covers of least size the one whose weakest dimension is surest.
 
-    A setting covers a dimension that it measures with at least the required probability. The largest threshold
-    at which a cover of the least size still exists is found by bisection over the probabilities that occur.
+    A setting covers a dimension at which its level is not 0. The highest threshold at which a cover of the least
+    size still exists is found by bisection over the levels that occur. The cover depends on the set of rows alone,
+    not on their order; of equal rows it has the first.
 
     Parameters
     ----------
-    probability
-        ``(n, d)``: settings by dimensions, each dimension reaching ``required`` somewhere.
+    level
+        ``(n, d)``: settings by dimensions, 0 = not accepted, else the higher the surer; each dimension above 0
+        somewhere (ValueError otherwise).
     """
-    smallest = minimum_cover(probability >= required, time_limit_s)
-    if not smallest.chosen:
-        return smallest
-    # a threshold beyond the best of some dimension has no cover; below the cover at hand nothing is gained
-    attained = probability[list(smallest.chosen)].max(axis=0).min()
-    highest = probability.max(axis=0).min()
-    thresholds = np.unique(probability[(probability > attained) & (probability <= highest)])
-    best, low, high = smallest, 0, len(thresholds)
+    _require_cover(level > 0)
+    rows = _in_order_of_content(level)
+    chosen, bound = _fewest(level[rows] > 0, time.monotonic() + time_limit_s)
+    if not chosen:
+        return Cover((), 0)
     deadline = time.monotonic() + time_limit_s
-    while low < high and (left := deadline - time.monotonic()) > 0:
+    best = rows[chosen]
+    # a threshold above the best of some dimension has no cover; at or below the cover at hand nothing is gained
+    thresholds = np.unique(level[level <= level.max(axis=0).min()])
+    low, high = int(np.searchsorted(thresholds, _weakest(level[best]), side="right")), len(thresholds)
+    while low < high and time.monotonic() < deadline:
+        # what no cover of this size holds at a threshold, none holds at a higher one
+        rows = rows[_affordable(level[rows] >= thresholds[low - 1], len(best))]
         middle = (low + high) // 2
-        cover = minimum_cover(probability >= thresholds[middle], left)
-        if len(cover.chosen) == len(smallest.chosen):
-            best, low = cover, middle + 1
+        chosen, _ = _fewest(level[rows] >= thresholds[middle], deadline, enough=len(best))
+        if chosen and len(chosen) <= len(best):
+            best = rows[chosen]
+            low = int(np.searchsorted(thresholds, _weakest(level[best]), side="right"))
         else:
             high = middle
-    return Cover(best.chosen, smallest.lower_bound)
+    return Cover(tuple(sorted(best.tolist())), bound)
 
 
-def _undominated(accepted: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Rows that are no subset of another row (of equal rows the first): a minimum cover needs no other.
+def _require_cover(accepted: NDArray[np.bool_]) -> None:
+    if not accepted.any(axis=0).all():
+        raise ValueError("a dimension is accepted from no setting")
 
-    In any cover a dominated row can be replaced by one that dominates it.
+
+def _weakest(level: NDArray[np.uint16]) -> int:
+    return int(level.max(axis=0).min())
+
+
+def _in_order_of_content(level: NDArray[np.uint16] | NDArray[np.bool_]) -> NDArray[np.int64]:
+    """The undominated rows, sorted by what they hold: what follows sees nothing of their order."""
+    if level.shape[1] == 0:
+        return np.zeros(0, np.int64)
+    rows = maximal_rows(level)
+    return np.asarray(rows[np.lexsort(level[rows].T)])
+
+
+# --- the fewest ------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Component:
+    """A part of the problem that shares no row and no column with the others, bracketed by cover and bound."""
+
+    rows: NDArray[np.int64]
+    holds: NDArray[np.bool_]
+    cover: list[int]
+    bound: int
+
+    @property
+    def open(self) -> bool:
+        return self.bound < len(self.cover)
+
+
+def _fewest(holds: NDArray[np.bool_], deadline: float, enough: int | None = None) -> tuple[list[int], int]:
+    """A least cover and the lower bound of the number of rows.
+
+    With ``enough`` the search ends as soon as it is known whether a cover of so many rows exists. Without any cover,
+    which a threshold may have, nothing is chosen and the bound is one more than there are rows.
     """
-    _, first = np.unique(np.packbits(accepted, axis=1), axis=0, return_index=True)
-    first = np.sort(first)
-    holds = accepted[first].astype(np.float32)
-    dominated = np.zeros(len(first), dtype=bool)
-    for start in range(0, len(first), _ROWS_PER_BLOCK):
-        block = holds[start : start + _ROWS_PER_BLOCK]
-        missing = block @ (1 - holds).T  # what row j lacks of row i
-        missing[np.arange(len(block)), np.arange(start, start + len(block))] = 1
-        dominated[start : start + len(block)] = (missing == 0).any(axis=1)
-    return np.asarray(first[~dominated])
+    if not holds.any(axis=0).all():
+        return [], len(holds) + 1
+    needed, rows, columns = _reduced(holds)
+    split = _components(holds[np.ix_(rows, columns)])
+    parts = [_bracketed(rows[r], holds[np.ix_(rows[r], columns[c])]) for r, c in split]
+    while time.monotonic() < deadline:
+        bound = len(needed) + sum(part.bound for part in parts)
+        size = len(needed) + sum(len(part.cover) for part in parts)
+        if bound == size or (enough is not None and (size <= enough or bound > enough)):
+            break
+        part = min((part for part in parts if part.open), key=lambda part: part.holds.size)
+        most = len(part.cover) - 1
+        if enough is not None:
+            most = min(most, enough - (bound - part.bound))
+        _narrow(part, most, deadline)
+    chosen = needed + [int(part.rows[k]) for part in parts for k in part.cover]
+    return sorted(chosen), len(needed) + sum(part.bound for part in parts)
 
 
-def _greedy(holds: NDArray[np.bool_]) -> list[int]:
-    """A cover by always taking the row that holds most of what is left."""
+def _reduced(holds: NDArray[np.bool_]) -> tuple[list[int], NDArray[np.int64], NDArray[np.int64]]:
+    """Rows that some least cover has, and the rows and columns among which the rest of it is to be chosen.
+
+    In turn until nothing changes: a row that is part of another is left out (in any cover the other takes its place);
+    a column is left out whose holders include all holders of another (which covers it); the only holder of a column
+    is in every cover.
+    """
+    needed: list[int] = []
+    rows, columns = np.arange(holds.shape[0]), np.arange(holds.shape[1])
+    while True:
+        before = len(rows), len(columns)
+        rows = rows[maximal_rows(holds[np.ix_(rows, columns)])]
+        columns = columns[maximal_rows(~holds[np.ix_(rows, columns)].T)]
+        part = holds[np.ix_(rows, columns)]
+        sole = np.unique(np.nonzero(part[:, part.sum(axis=0) == 1])[0])
+        needed += rows[sole].tolist()
+        columns = columns[~part[sole].any(axis=0)]
+        if len(columns) == 0:
+            return needed, rows[:0], columns
+        rows = np.delete(rows, sole)
+        if (len(rows), len(columns)) == before:
+            return needed, rows, columns
+
+
+def _components(holds: NDArray[np.bool_]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Rows and columns of each part that no row joins to another."""
+    if holds.shape[1] == 0:
+        return []
+    count, label = connected_components(csr_array(holds.T.astype(np.float32) @ holds), directed=False)
+    groups = [np.nonzero(label == k)[0] for k in range(count)]
+    return [(np.nonzero(holds[:, columns].any(axis=1))[0], columns) for columns in groups]
+
+
+def _bracketed(rows: NDArray[np.int64], holds: NDArray[np.bool_]) -> _Component:
+    """The greedy cover by numbers, and where that is not least the one by prices too, with the price bound."""
+    size = holds.sum(axis=1)
+    simple = np.asarray(_PRICE_UNIT // np.where(holds, size[:, None], 0).max(axis=0), np.int64)
+    part = _Component(rows, holds, _greedy(holds, np.ones(holds.shape[1], np.int64)), _price_bound(holds, simple))
+    if part.open:
+        prices = _best_prices(holds, simple)
+        part.bound = max(part.bound, _price_bound(holds, prices))
+        part.cover = min(part.cover, _greedy(holds, prices + 1), key=len)
+    return part
+
+
+def _greedy(holds: NDArray[np.bool_], worth: NDArray[np.int64]) -> list[int]:
+    """A cover by always taking the row whose new columns are worth most, without rows that the others make needless."""
     left, chosen = np.ones(holds.shape[1], dtype=bool), []
     while left.any():
-        chosen.append(int(np.argmax(holds[:, left].sum(axis=1))))
+        chosen.append(int(np.argmax(holds @ (worth * left))))
         left &= ~holds[chosen[-1]]
+    times = holds[chosen].sum(axis=0)
+    for k in chosen.copy():
+        if (times[holds[k]] > 1).all():
+            chosen.remove(k)
+            times -= holds[k]
     return chosen
+
+
+# --- bounds ----------------------------------------------------------------------------------------------------------
+
+
+def _best_prices(holds: NDArray[np.bool_], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Whole prices of the columns that bound best: of the dual of the linear relaxation."""
+    rows, columns = holds.shape
+    result = linprog(-np.ones(columns), A_ub=csr_array(holds.astype(float)), b_ub=np.ones(rows), method="highs-ds")
+    if result.x is None or not result.x.max() > 0:
+        return otherwise
+    return np.asarray(np.maximum(result.x, 0) * _PRICE_UNIT, np.int64)
+
+
+def _price_bound(holds: NDArray[np.bool_], prices: NDArray[np.int64]) -> int:
+    return -int(-prices.sum() // (holds @ prices).max())
+
+
+def _affordable(holds: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
+    """Rows that may be in a cover of at most so many rows, by the price bound."""
+    prices = _best_prices(holds, np.ones(holds.shape[1], np.int64))
+    paid = holds @ prices
+    return np.asarray(prices.sum() - paid <= (most - 1) * paid.max())
+
+
+# --- closing the gap -------------------------------------------------------------------------------------------------
+
+
+def _narrow(part: _Component, most: int, deadline: float) -> None:
+    """Find a cover of at most so many rows, or raise the bound beyond, or as near to it as the time allows."""
+    rows = np.nonzero(_affordable(part.holds, most))[0]
+    bound: float = np.inf  # of the covers by these rows
+    if part.holds[rows].any(axis=0).all():
+        needed, left, columns = _reduced(part.holds[rows])
+        found, bound = _closed(part.holds[np.ix_(rows[left], columns)], most - len(needed), deadline)
+        bound += len(needed)
+        if found is not None:
+            part.cover = rows[[*needed, *left[found]]].tolist()
+    part.bound = max(part.bound, int(min(bound, most + 1, len(part.cover))))
+
+
+def _closed(holds: NDArray[np.bool_], most: int, deadline: float) -> tuple[list[int] | None, float]:
+    """A cover of at most so many rows, if one was found, and the lower bound of their number."""
+    if holds.shape[1] == 0:
+        return ([], 0) if most >= 0 else (None, np.inf)
+    if most <= 0:
+        return None, np.inf
+    found, decided = _searched(holds, most)
+    if decided:
+        return found, 1 if found is not None else np.inf
+    return _solved(holds, most, deadline)
+
+
+def _solved(holds: NDArray[np.bool_], most: int, deadline: float) -> tuple[list[int] | None, float]:
+    """By HiGHS."""
+    ones = np.ones(len(holds))
+    result = milp(
+        ones,
+        integrality=ones,
+        bounds=Bounds(0, 1),
+        constraints=[
+            LinearConstraint(csr_array(holds.T.astype(float)), lb=1, ub=np.inf),
+            LinearConstraint(ones[None], ub=most),
+        ],
+        options={"time_limit": max(0.0, deadline - time.monotonic())},
+    )
+    if result.status == 2:  # infeasible
+        return None, np.inf
+    found = None if result.x is None else np.nonzero(result.x > 0.5)[0].tolist()
+    if result.status == 0 and found is not None:
+        return found, len(found)
+    return found, 1 if result.mip_dual_bound is None else np.ceil(result.mip_dual_bound - 1e-6)
+
+
+def _searched(holds: NDArray[np.bool_], most: int) -> tuple[list[int] | None, bool]:
+    """A cover of at most so many rows by depth-first search, and whether the search came to its end.
+
+    At each node the column left that has the fewest holders is covered by each of them in turn, the cheapest remainder
+    first; a remainder too dear for the rows that may still be taken is skipped, and a row whose turn is over is in no
+    later branch, since every cover with it has been looked at.
+    """
+    columns = np.argsort(holds.sum(axis=0), kind="stable")  # bit 0 has the fewest holders
+    holds = holds[:, columns]
+    prices = _best_prices(holds, np.ones(holds.shape[1], np.int64))
+    packed = np.packbits(holds, axis=1, bitorder="little")
+    packed = np.pad(packed, ((0, 0), (0, -packed.shape[1] % 8)))
+    padded = np.pad(prices, (0, 8 * packed.shape[1] - len(prices))).reshape(-1, 8)
+    bits = np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little").astype(np.int64)
+    holders = [np.nonzero(column)[0] for column in holds.T]
+    ends = np.cumsum([0, *map(len, holders)])
+    everything = np.pad(np.packbits(np.ones(len(prices), bool), bitorder="little"), (0, 8))[: packed.shape[1]]
+    path, decided = _descend(
+        np.ascontiguousarray(packed).view(np.uint64), everything.copy().view(np.uint64), np.concatenate(holders), ends,
+        padded @ bits.T, int((holds @ prices).max()), most, _SEARCH_STEPS,
+    )  # fmt: skip
+    return (sorted(set(path.tolist())) if len(path) else None), bool(decided)
+
+
+@_compiled
+def _descend(
+    rows: Any, everything: Any, holders: Any, ends: Any, byte_prices: Any, dearest: int, most: int, steps: int
+) -> Any:
+    """Rows of a cover of at most ``most`` rows (none if not found), and whether the search came to its end.
+
+    ``rows`` ``(n, words)`` bit sets; ``holders[ends[j]:ends[j + 1]]`` the rows that hold column j; ``byte_prices``
+    ``(8 words, 256)`` what the columns in a byte of the bit set cost together; ``dearest`` the highest price of a row.
+    """
+    words = rows.shape[1]
+    left = np.zeros((most + 1, words), np.uint64)
+    left[0] = everything
+    branches = np.zeros((most, rows.shape[0]), np.int64)
+    count, turn = np.zeros(most, np.int64), np.zeros(most, np.int64)
+    over = np.zeros(rows.shape[0], np.bool_)
+    depth, fresh = 0, True
+    while depth >= 0:
+        allowed = most - depth - 1  # rows beside the one chosen here
+        if fresh:
+            column = _first_bit(left[depth])
+            steps -= ends[column + 1] - ends[column]
+            if steps < 0:
+                return branches[0, :0].copy(), False
+            count[depth] = _branch(
+                rows, left[depth], holders[ends[column] : ends[column + 1]], over, byte_prices, allowed * dearest,
+                branches[depth],
+            )  # fmt: skip
+            turn[depth], fresh = 0, False
+        elif turn[depth] > 0:
+            over[branches[depth, turn[depth] - 1]] = True
+        if turn[depth] == count[depth]:
+            for k in range(count[depth]):
+                over[branches[depth, k]] = False
+            depth -= 1
+            continue
+        row = branches[depth, turn[depth]]
+        turn[depth] += 1
+        empty = True
+        for w in range(words):
+            left[depth + 1, w] = left[depth, w] & ~rows[row, w]
+            empty &= left[depth + 1, w] == 0
+        if empty:
+            path = np.zeros(depth + 1, np.int64)
+            for k in range(depth + 1):
+                path[k] = branches[k, turn[k] - 1]
+            return path, True
+        if allowed > 0:
+            depth, fresh = depth + 1, True
+    return branches[0, :0].copy(), True
+
+
+@_compiled
+def _branch(rows: Any, left: Any, holders: Any, over: Any, byte_prices: Any, budget: int, branches: Any) -> int:
+    """Put the rows whose remainder the budget pays for into ``branches``, the cheapest remainder first."""
+    count = 0
+    prices = np.zeros(holders.size, np.int64)
+    for row in holders:
+        if over[row]:
+            continue
+        price, rest = np.int64(0), np.uint64(0)
+        for w in range(left.size):
+            word = left[w] & ~rows[row, w]
+            rest |= word
+            if budget > 0:
+                for byte in range(8):
+                    price += byte_prices[8 * w + byte, (word >> np.uint64(8 * byte)) & np.uint64(255)]
+        if price <= budget and (budget > 0 or rest == 0):
+            branches[count], prices[count] = row, price
+            count += 1
+    if budget > 0:
+        order = np.argsort(prices[:count], kind="mergesort")
+        branches[:count] = branches[:count][order]
+    return count
+
+
+@_compiled
+def _first_bit(words: Any) -> int:
+    for w in range(words.size):
+        if words[w] != 0:
+            bit = 64 * w
+            word = words[w]
+            while word & np.uint64(1) == 0:
+                word >>= np.uint64(1)
+                bit += 1
+            return bit
+    return -1

@@ -132,10 +132,10 @@ class Undominated:
         return self._rows.certain[np.argsort(self._rows.index)]
 
 
-def maximal_rows(accepted: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Rows of ``(n, d)`` that are no part of another row (of equal rows the first), ascending."""
-    rows = _Rows.of(np.arange(len(accepted)), accepted.astype(np.uint16), np.ones_like(accepted))
-    nothing = rows.part(np.zeros(len(accepted), np.bool_))
+def maximal_rows(level: NDArray[np.uint16] | NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Rows of ``(n, d)``, free of doubt, that no other row reaches everywhere (of equal rows the first), ascending."""
+    rows = _Rows.of(np.arange(len(level)), level.astype(np.uint16), np.ones(level.shape, np.bool_))
+    nothing = rows.part(np.zeros(len(level), np.bool_))
     return np.sort(rows.index[nothing.sift(rows)[1]])
 
 
@@ -208,14 +208,14 @@ class _Rows:
 
 
 def _pivots(rows: _Rows) -> NDArray[np.uint16]:
-    """``(2, d)``: a level that about half of the accepting rows reach, and 1; any others would do, less fast."""
+    """A level that about half of the accepting rows reach, and 1, ``(2, d)``; any others would do, less fast."""
     sample = rows.bound[:: max(1, len(rows.bound) // _SAMPLE)]
     lowest = np.ones(sample.shape[1], np.uint16)
     if not len(sample):
-        return np.stack([lowest, lowest])
+        return lowest[None]
     upper_half = len(sample) - ((sample > 0).sum(axis=0) + 1) // 2
     middle = np.take_along_axis(np.sort(sample, axis=0), np.minimum(upper_half, len(sample) - 1)[None], axis=0)[0]
-    return np.stack([np.maximum(lowest, middle), lowest])
+    return np.stack([middle, lowest]) if (middle > 1).any() else lowest[None]
 
 
 @_compiled

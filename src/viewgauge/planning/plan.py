@@ -12,6 +12,7 @@ from ..evaluation import Requirement
 from ..part import Dimension, Unusable
 from .cause import limiting_cause
 from .cover import DEFAULT_TIME_LIMIT_S, surest_minimum_cover
+from .dominance import probability_levels
 from .result import Plan, PlannedDimension, PlannedSetting
 
 __all__ = ["choose_settings", "not_measurable", "without_allowed_error"]
@@ -56,7 +57,7 @@ def choose_settings(
     """
     probability = np.where(table["visible"].values, table["probability"].values, 0.0)
     reachable = np.asarray((probability >= requirement.probability).any(axis=0))
-    cover = surest_minimum_cover(probability[:, reachable], requirement.probability, time_limit_s)
+    cover = surest_minimum_cover(probability_levels(probability[:, reachable], requirement.probability), time_limit_s)
     names = {k: setting_ids[k] if setting_ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)}
     planned = []
     observes: dict[int, list[str]] = {k: [] for k in cover.chosen}
