@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from viewgauge.evaluation import COLUMNS, Requirement, evaluate_settings
-from viewgauge.evaluation import table as table_module
+from viewgauge.evaluation.evaluator import Evaluator
 from viewgauge.geometry import Camera, PoseError, look_at
 from viewgauge.part import Dimension, Gauge, Mesh
 from viewgauge.visibility import REASONS, ObservationLimits
@@ -142,10 +144,37 @@ def test_the_best_gauge_is_the_one_a_search_by_hand_finds(table):
                 assert a == b or (a != a and b != b), name
 
 
-def test_chunks_do_not_change_a_bit(table, monkeypatch):
-    for pairs in (1, 7, 100):
-        monkeypatch.setattr(table_module, "_PAIRS_PER_CHUNK", pairs)
-        xr.testing.assert_identical(table_of(around(400)), table)
+def test_how_settings_are_cut_in_pieces_changes_nothing():
+    poses = around(700)
+    whole = table_of(poses)
+    for size in (1, 97, 256, 300):
+        pieces = [table_of(poses[k : k + size]) for k in range(0, len(poses), size)][: 40 if size == 1 else None]
+        together = xr.concat(pieces, "setting")
+        part = whole.isel(setting=slice(0, together.sizes["setting"]))
+        for name in (*COLUMNS, "gauge", "validity"):
+            if together[name].dtype == float:
+                np.testing.assert_allclose(together[name].values, part[name].values, rtol=0, atol=1e-12)
+            else:
+                np.testing.assert_array_equal(together[name].values, part[name].values)
+
+
+def test_threads_do_not_change_a_bit():
+    poses = around(1500)
+    blocks = [Evaluator(DIMENSIONS, STEPPED, CAMERA, HEAD, SURE, threads=threads).table(poses) for threads in (1, 2, 5)]
+    for other in blocks[1:]:
+        for field in fields(blocks[0]):
+            np.testing.assert_array_equal(getattr(other, field.name), getattr(blocks[0], field.name))
+
+
+def test_what_is_accepted_is_the_accepted_part_of_the_table():
+    poses = around(600)
+    evaluator = Evaluator(DIMENSIONS, STEPPED, CAMERA, HEAD, SURE)
+    accepted, table = evaluator.accepted(poses), evaluator.table(poses)
+    sure = table.visible & (table.probability >= SURE.probability)
+    assert 0.02 < sure.mean() < 0.98
+    np.testing.assert_array_equal(accepted.probability, np.where(sure, table.probability, 0.0))
+    assert not (accepted.certain & ~sure).any()
+    assert not (accepted.certain & (table.validity > 0)).any(), "what carries a warning is not certain"
 
 
 def test_progress_counts_every_setting():

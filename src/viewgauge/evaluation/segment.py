@@ -64,6 +64,12 @@ class SegmentImage:
             value = np.where(np.isnan(exact), value, exact)
         return np.where(self._imaged, value, np.nan)
 
+    def expected_accuracy(self, camera: Camera) -> NDArray[np.float64]:
+        """1 - E|error| / L (eq. 20), not below 0; 0 for a segment seen end-on, which has no length to be measured."""
+        length = self.length_mm
+        relative = np.divide(self.mean_absolute_error(camera), length, out=np.ones_like(length), where=length > 0)
+        return np.asarray(np.maximum(1 - relative, 0.0))
+
     @property
     def _imaged(self) -> NDArray[np.bool_]:
         return ~np.isnan(self.length_mm)

@@ -28,7 +28,7 @@ from scipy.special import ndtr
 from ..geometry import Camera, PoseError, point_jacobian
 from .line_sampling import NODES, WEIGHTS, line_probabilities
 
-__all__ = ["WARNINGS", "probability_error", "validity"]
+__all__ = ["NEGLIGIBLE", "WARNINGS", "probability_error", "validity"]
 
 WARNINGS = ("near_lens_plane", "denominator_near_zero", "short_segment", "large_error")
 """Names of the warnings, the gravest first."""
@@ -39,7 +39,7 @@ THRESHOLD = 3e-4
 # sizes of the neglected terms, calibrated on the same sweep: below the first the error of the probability is less than
 # a quarter of the threshold; above the second, directions together do what none does alone; above the third, no
 # number of terms tells how heavy the tails are
-_NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.05, 0.2
+NEGLIGIBLE, _CROSSED, _BEYOND = 0.01, 0.05, 0.2
 _NEAR_LENS_PLANE = 6.0  # standard deviations of the depth between a point and the lens plane
 _PAIRS_PER_CHUNK = 2000
 
@@ -178,7 +178,7 @@ def _estimate(
     """Estimated error of the probability, ``(m,)``."""
     neglected = sizes.neglected
     result = np.where(neglected > _BEYOND, 1.0, 0.0)
-    doubtful = np.flatnonzero((neglected > _NEGLIGIBLE) & (neglected <= _BEYOND))
+    doubtful = np.flatnonzero((neglected > NEGLIGIBLE) & (neglected <= _BEYOND))
     if len(doubtful):
         chosen = sizes.take(doubtful)
         allowed = tolerance[doubtful] * chosen.length_mm

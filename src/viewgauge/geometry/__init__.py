@@ -4,8 +4,10 @@ from .camera import Camera
 from .image_jacobian import point_jacobian
 from .pose_error import PoseError
 from .poses import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
+from .view_block import VIEWS, view_block
 
 __all__ = [
+    "VIEWS",
     "Camera",
     "PoseError",
     "invert",
@@ -15,4 +17,5 @@ __all__ = [
     "quaternion_from_pose",
     "require_poses",
     "transform",
+    "view_block",
 ]

@@ -1,7 +1,8 @@
 """Whether a gauge can be observed from a sensor setting."""
 
+from .culling import OCCLUDED, REASONS, VISIBLE, Culling
 from .limits import ObservationLimits
-from .observability import REASONS, Observation, observe
-from .occlusion import Occluder
+from .observability import observe
+from .occlusion import Occluder, SightLines
 
-__all__ = ["REASONS", "Observation", "ObservationLimits", "Occluder", "observe"]
+__all__ = ["OCCLUDED", "REASONS", "VISIBLE", "Culling", "ObservationLimits", "Occluder", "SightLines", "observe"]

@@ -1,20 +1,27 @@
-"""Whether the part hides a point from a camera, by Embree's ray caster."""
+"""Whether the part hides a gauge from a camera, by Embree's ray caster."""
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
+import math
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import VIEWS
 from ..part import Mesh
+from ..part.gauge_table import GaugeTable
 
-__all__ = ["Occluder"]
+__all__ = ["Occluder", "SightLines"]
 
-_RAYS_PER_TASK = 65_536
 # Embree computes in float32 (24 bits): points of a part centred at the origin are off by up to 3e-8 of its size.
 _FLOAT32_MARGIN = 1e-5
+
+_WHOLE_SAMPLES = 33
+"""Points of a segment that are tested where the whole of it must be seen, both ends among them."""
+
+_RAYS_PER_CAST = 65_536
+"""Bounds the memory of rays (28 bytes each)."""
 
 
 class Occluder:
@@ -35,51 +42,107 @@ class Occluder:
         from embreex.rtcore_scene import EmbreeScene
 
         low, high = mesh.bounds
-        self._centre = (low + high) / 2
+        self.centre_mm = (low + high) / 2
+        """Origin of the frame in which rays are cast, part frame."""
         diagonal = float(np.linalg.norm(high - low))
         self.clearance_mm = 2 * mesh.chord_error_mm + _FLOAT32_MARGIN * diagonal
         """How far off the surface a ray starts: twice the mesh's chord error plus 1e-5 of its diagonal, mm."""
-        corners = (mesh.vertices - self._centre)[mesh.triangles].astype(np.float32)
+        corners = (mesh.vertices - self.centre_mm)[mesh.triangles].astype(np.float32)
         self._scene = EmbreeScene(robust=True)
         self._surface = TriangleMesh(self._scene, corners)
-        self._cast(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.array([1e-3]))  # commits the scene
+        # the first cast commits the scene, which is not for several threads at once
+        self.blocked(*(np.array(v, dtype=np.float32) for v in ([[0, 0, 0]], [[0, 0, 1]], [1e-3])))
+
+    def blocked(
+        self, origin: NDArray[np.float32], direction: NDArray[np.float32], reach: NDArray[np.float32]
+    ) -> NDArray[np.bool_]:
+        """``(n,)``: whether rays ``(n, 3)``, mm from :attr:`centre_mm`, meet the surface within ``(n,)`` lengths.
+
+        Other Python threads run meanwhile.
+        """
+        return np.asarray(self._scene.run(origin, direction, dists=reach, query="OCCLUDED")) >= 0
+
+
+class SightLines:
+    """Casts the rays from gauges to cameras.
+
+    A gauge is hidden where the part hides an end, or any sample of it if the whole of it must be seen.
+    """
+
+    def __init__(self, gauges: GaugeTable, occluder: Occluder) -> None:
+        outward = gauges.normals.sum(axis=2)
+        outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), np.finfo(float).tiny)
+        # from here rays of the two ends start, and rays of samples between them from between
+        self._origins = np.ascontiguousarray(gauges.points + occluder.clearance_mm * outward - occluder.centre_mm)
+        self._whole = gauges.whole
+        self._occluder = occluder
 
     def hidden(
-        self, points: NDArray[np.float64], outward: NDArray[np.float64], eyes: NDArray[np.float64]
+        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
     ) -> NDArray[np.bool_]:
-        """Whether the surface lies between each point and each eye.
+        """``(p,)``: whether the part hides the gauge from the setting, for pairs of a block of settings.
 
         Parameters
         ----------
-        points
-            ``(n, 3)`` mm, part frame, on the surface.
-        outward
-            ``(n, 3)`` unit vectors into free space at the points (zero to start at the point itself).
-        eyes
-            ``(n, 3)`` mm, part frame: the camera's centre of projection for each point.
-
-        Returns
-        -------
-        ``(n,)``
+        views
+            From :func:`~viewgauge.geometry.view_block`.
+        setting, gauge
+            ``(p,)``: indices into the block, and into the table of gauges.
         """
-        origin = points + self.clearance_mm * outward
-        to_eye = eyes - origin
-        distance = np.linalg.norm(to_eye, axis=1)
-        direction = to_eye / np.where(distance > 0, distance, 1.0)[:, None]
-        blocks = [slice(k, k + _RAYS_PER_TASK) for k in range(0, len(points), _RAYS_PER_TASK)]
+        setting, gauge = np.ascontiguousarray(setting), np.ascontiguousarray(gauge)
+        hidden = self._any_blocked(views, setting, gauge, np.array([0.0]))
+        for fractions, asked in (
+            (np.array([1.0]), np.ones(len(setting), dtype=bool)),
+            (np.linspace(0.0, 1.0, _WHOLE_SAMPLES)[1:-1], self._whole[gauge]),
+        ):
+            left = np.flatnonzero(asked & ~hidden)
+            if len(left):
+                hidden[left] = self._any_blocked(views, setting[left], gauge[left], fractions)
+        return hidden
 
-        def cast(block: slice) -> NDArray[np.bool_]:
-            return self._cast(origin[block] - self._centre, direction[block], distance[block])
-
-        if len(blocks) < 2:
-            return cast(slice(None))
-        with ThreadPoolExecutor(os.cpu_count()) as pool:  # embreex releases the GIL
-            return np.concatenate(list(pool.map(cast, blocks)))
-
-    def _cast(
-        self, origin: NDArray[np.float64], direction: NDArray[np.float64], reach: NDArray[np.float64]
+    def _any_blocked(
+        self,
+        views: NDArray[np.float64],
+        setting: NDArray[np.int64],
+        gauge: NDArray[np.int64],
+        fractions: NDArray[np.float64],
     ) -> NDArray[np.bool_]:
-        hit = self._scene.run(
-            origin.astype(np.float32), direction.astype(np.float32), dists=reach.astype(np.float32), query="OCCLUDED"
+        blocked = np.zeros(len(setting), dtype=bool)
+        pairs = max(1, _RAYS_PER_CAST // len(fractions))
+        for first in range(0, len(setting), pairs):
+            chunk = slice(first, first + pairs)
+            n = len(setting[chunk]) * len(fractions)
+            rays = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32), np.empty(n, np.float32)
+            _rays(views, setting[chunk], gauge[chunk], fractions, self._origins, self._occluder.centre_mm, *rays)
+            blocked[chunk] = self._occluder.blocked(*rays).reshape(-1, len(fractions)).any(axis=1)
+        return blocked
+
+
+@numba.njit(
+    "void(float64[::1], int64[::1], int64[::1], float64[::1], float64[:,:,::1], float64[::1], "
+    "float32[:,::1], float32[:,::1], float32[::1])",
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def _rays(views, setting, gauge, fractions, origins, centre, origin, direction, reach):  # type: ignore[no-untyped-def]
+    """Rays from points of gauges to the settings' centres of projection: origin, unit direction, length."""
+    ray = 0
+    for k in range(len(setting)):
+        s, g = setting[k], gauge[k]
+        ex, ey, ez = (
+            views[12 * VIEWS + s] - centre[0],
+            views[13 * VIEWS + s] - centre[1],
+            views[14 * VIEWS + s] - centre[2],
         )
-        return np.asarray(hit) >= 0
+        for f in fractions:
+            x = (1.0 - f) * origins[g, 0, 0] + f * origins[g, 1, 0]
+            y = (1.0 - f) * origins[g, 0, 1] + f * origins[g, 1, 1]
+            z = (1.0 - f) * origins[g, 0, 2] + f * origins[g, 1, 2]
+            dx, dy, dz = ex - x, ey - y, ez - z
+            distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+            scale = 1.0 / distance if distance > 0.0 else 1.0
+            origin[ray, 0], origin[ray, 1], origin[ray, 2] = x, y, z
+            direction[ray, 0], direction[ray, 1], direction[ray, 2] = dx * scale, dy * scale, dz * scale
+            reach[ray] = distance
+            ray += 1

@@ -1,0 +1,258 @@
+"""Evaluates sensor settings, block by block, on all cores: the table, or only what is accepted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import VIEWS, Camera, PoseError, invert, transform, view_block
+from ..part import Dimension, Mesh
+from ..part.gauge_table import GaugeTable
+from ..visibility import VISIBLE, Culling, ObservationLimits, Occluder, SightLines
+from .best_gauges import best_gauges
+from .kernel import ProbabilityKernel
+from .pair_columns import PairColumns
+from .requirement import Requirement
+from .segment import FirstOrderMethod, SegmentImage, image_segment
+from .validity import NEGLIGIBLE, WARNINGS, validity
+
+__all__ = ["Accepted", "Evaluator", "TableBlock"]
+
+_Block = TypeVar("_Block", "TableBlock", "Accepted")
+
+
+@dataclass(frozen=True)
+class TableBlock:
+    """The table's values of n settings x d dimensions.
+
+    Parameters
+    ----------
+    reason, validity
+        ``(n, d)`` index into :data:`~viewgauge.visibility.REASONS`; 0, or one more than that into
+        :data:`~viewgauge.evaluation.WARNINGS`.
+    gauge
+        ``(n, d)`` index of the best gauge among those of its dimension.
+    image_length_px, angle_rad, relative_tolerance, sigma_displacement_px, sigma_quantization_px, probability,
+    expected_accuracy
+        ``(n, d)``: the columns of the table.
+    """
+
+    reason: NDArray[np.int8]
+    image_length_px: NDArray[np.float64]
+    angle_rad: NDArray[np.float64]
+    relative_tolerance: NDArray[np.float64]
+    sigma_displacement_px: NDArray[np.float64]
+    sigma_quantization_px: NDArray[np.float64]
+    probability: NDArray[np.float64]
+    expected_accuracy: NDArray[np.float64]
+    gauge: NDArray[np.int32]
+    validity: NDArray[np.int8]
+
+    @property
+    def visible(self) -> NDArray[np.bool_]:
+        """``(n, d)``: no observability condition fails."""
+        return np.asarray(self.reason == VISIBLE)
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """What n settings measure of d dimensions as surely as required.
+
+    Parameters
+    ----------
+    probability
+        ``(n, d)``: of the surest visible gauge; 0 where it is under the requirement.
+    certain
+        ``(n, d)``: the small-error model is beyond doubt by the size of what it neglects.
+    """
+
+    probability: NDArray[np.float64]
+    certain: NDArray[np.bool_]
+
+
+class Evaluator:
+    """Everything that is the same for all settings, made ready once.
+
+    Parameters
+    ----------
+    dimensions
+        Each with at least one gauge and an allowed error under the requirement.
+    mesh
+        The part's surface, which hides.
+    threads
+        How many work at once; by default as many as there are processors.
+    """
+
+    def __init__(
+        self,
+        dimensions: Sequence[Dimension],
+        mesh: Mesh,
+        camera: Camera,
+        error: PoseError,
+        requirement: Requirement,
+        limits: ObservationLimits | None = None,
+        method: FirstOrderMethod = "joint",
+        threads: int | None = None,
+    ) -> None:
+        gauges = GaugeTable.of(dimensions)
+        self.allowed_error_mm = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
+        self._gauges, self._camera, self._error, self._method = gauges, camera, error, method
+        self._required = requirement.probability
+        self._tolerance = self.allowed_error_mm[gauges.dimension] / gauges.length_mm
+        self._first = np.append(gauges.first, len(gauges)).astype(np.int64)
+        self._culling = Culling(gauges, camera, limits or ObservationLimits())
+        self._lines = SightLines(gauges, Occluder(mesh))
+        self._kernel = ProbabilityKernel(gauges, self._tolerance, camera, error)
+        self._columns = PairColumns(gauges, camera, error)
+        self.threads = threads or len(os.sched_getaffinity(0))
+
+    @property
+    def gauge_count(self) -> int:
+        """Number of gauges: the kernel evaluates this many pairs for each setting."""
+        return len(self._gauges)
+
+    def table(self, T_part_camera: NDArray[np.float64], progress: Callable[[int], None] | None = None) -> TableBlock:
+        """The table of settings ``(n, 4, 4)`` mm; ``progress`` is told how many more are done."""
+        return self._each_block(self._table_block, T_part_camera, progress)
+
+    def accepted(self, T_part_camera: NDArray[np.float64], progress: Callable[[int], None] | None = None) -> Accepted:
+        """Only what is accepted, of settings ``(n, 4, 4)`` mm: rays are cast for nothing else."""
+        return self._each_block(self._accepted_block, T_part_camera, progress)
+
+    def _each_block(
+        self,
+        work: Callable[[NDArray[np.float64]], _Block],
+        T_part_camera: NDArray[np.float64],
+        progress: Callable[[int], None] | None,
+    ) -> _Block:
+        blocks = [T_part_camera[k : k + VIEWS] for k in range(0, len(T_part_camera), VIEWS)] or [T_part_camera]
+        results = []
+        with _mapped(self.threads, work, blocks) as done:
+            for block, result in zip(blocks, done, strict=True):
+                results.append(result)
+                if progress:
+                    progress(len(block))
+        joined = (np.concatenate([getattr(r, f.name) for r in results]) for f in fields(results[0]))  # type: ignore[arg-type]
+        return type(results[0])(*joined)
+
+    def _ranked(self, poses: NDArray[np.float64], threshold: float) -> _Ranked:
+        views, count = view_block(poses), len(poses)
+        reason = self._culling.reasons(views, count)
+        if self._method == "joint":
+            probability, margin = self._kernel.probabilities(views, count, reason)
+        else:
+            probability, margin = self._independent(poses, reason)
+        best, seen = best_gauges(views, count, reason, probability, margin, self._first, self._lines, threshold)
+        gauge, seen = best[:, :count].T, seen[:, :count].T
+        setting = np.broadcast_to(np.arange(count)[:, None], gauge.shape)
+        return _Ranked(views, gauge, seen, reason[gauge, setting], np.where(seen, probability[gauge, setting], 0.0))
+
+    def _independent(
+        self, poses: NDArray[np.float64], reason: NDArray[np.int8]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The paper's model, in NumPy; the margin of a gauge is its expected accuracy."""
+        gauge, setting = np.nonzero(reason[:, : len(poses)] == VISIBLE)
+        image = self._image(poses[setting], gauge)
+        probability, margin = np.zeros(reason.shape), np.zeros(reason.shape)
+        probability[gauge, setting] = image.success_probability(self._camera, self._tolerance[gauge])
+        margin[gauge, setting] = image.expected_accuracy(self._camera)
+        return probability, margin
+
+    def _image(self, poses: NDArray[np.float64], gauge: NDArray[np.int64]) -> SegmentImage:
+        points = transform(invert(poses)[:, None], self._gauges.points[gauge])
+        return image_segment(points[:, 0], points[:, 1], self._camera, self._error, self._method)
+
+    def _table_block(self, poses: NDArray[np.float64]) -> TableBlock:
+        ranked = self._ranked(poses, 0.0)
+        gauge, visible = ranked.gauge, ranked.seen
+        setting = np.repeat(np.arange(len(gauge)), gauge.shape[1])
+        values = self._columns.of(ranked.views, setting, gauge.ravel())
+        sigma, accuracy = (v.reshape(gauge.shape) for v in (values.sigma_displacement_px, values.expected_accuracy))
+        if self._method == "independent":
+            at = np.nonzero(visible)
+            image = self._image(poses[at[0]], gauge[at])
+            direction = np.stack([np.cos(image.angle_rad), np.sin(image.angle_rad)], axis=-1)
+            per_mm = np.linalg.norm(direction / np.asarray(self._camera.pixel_pitch_mm), axis=-1)
+            sigma[at], accuracy[at] = image.sigma_displacement_mm * per_mm, image.expected_accuracy(self._camera)
+        return TableBlock(
+            reason=ranked.reason,
+            image_length_px=values.length_px.reshape(gauge.shape),
+            angle_rad=values.angle_rad.reshape(gauge.shape),
+            relative_tolerance=self._tolerance[gauge],
+            sigma_displacement_px=np.where(visible, sigma, np.nan),
+            sigma_quantization_px=np.where(visible, values.sigma_quantization_px.reshape(gauge.shape), np.nan),
+            probability=ranked.probability,
+            expected_accuracy=np.where(visible, accuracy, 0.0),
+            gauge=(gauge - self._gauges.first).astype(np.int32),
+            validity=self._validity(poses, gauge, visible, values.neglected.reshape(gauge.shape)),
+        )
+
+    def _validity(
+        self,
+        poses: NDArray[np.float64],
+        gauge: NDArray[np.int64],
+        visible: NDArray[np.bool_],
+        neglected: NDArray[np.float64],
+    ) -> NDArray[np.int8]:
+        """Codes of the warnings; only pairs that neglect more than nothing are looked at closely."""
+        codes = np.zeros(gauge.shape, dtype=np.int8)
+        at = np.nonzero(visible & ~(neglected < _SCREEN))
+        if len(at[0]):
+            points = transform(invert(poses[at[0]])[:, None], self._gauges.points[gauge[at]])
+            names = validity(points[:, 0], points[:, 1], self._camera, self._error, self._tolerance[gauge[at]])
+            found = np.zeros(len(names), dtype=np.int8)
+            for code, name in enumerate(WARNINGS, start=1):
+                found[names == name] = code
+            codes[at] = found
+        return codes
+
+    def _accepted_block(self, poses: NDArray[np.float64]) -> Accepted:
+        ranked = self._ranked(poses, self._required)
+        at = np.nonzero(ranked.seen)
+        certain = np.zeros(ranked.seen.shape, dtype=bool)
+        certain[at] = self._columns.of(ranked.views, at[0], ranked.gauge[at]).neglected < _SCREEN
+        return Accepted(ranked.probability, certain)
+
+
+@contextmanager
+def _mapped(
+    threads: int, work: Callable[[NDArray[np.float64]], _Block], blocks: Sequence[NDArray[np.float64]]
+) -> Iterator[Iterator[_Block]]:
+    """Results in order; the compiled loops and the ray caster let other threads run."""
+    if min(threads, len(blocks)) < 2:
+        yield map(work, blocks)
+        return
+    pool = ThreadPoolExecutor(threads)
+    try:
+        yield pool.map(work, blocks)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+# what rounding may move does not decide: the close look has the last word at the border
+_SCREEN = NEGLIGIBLE * (1 - 1e-6)
+
+
+@dataclass(frozen=True)
+class _Ranked:
+    """A block of n settings with the best gauge of each dimension ``(n, d)``."""
+
+    views: NDArray[np.float64]
+    gauge: NDArray[np.int64]
+    seen: NDArray[np.bool_]
+    reason: NDArray[np.int8]
+    probability: NDArray[np.float64]
+
+
+def _allowed_error(requirement: Requirement, dimension: Dimension) -> float:
+    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
+    if allowed is None:
+        raise ValueError(f"dimension {dimension.id} has no tolerance, which the requirement needs")
+    return allowed

@@ -1,0 +1,143 @@
+"""From settings and gauges to probabilities: the compiled joint model (theory sections 5 and 6).
+
+The same mathematics as :func:`~viewgauge.evaluation.image_segment` with "joint", for all pairs of a block of settings
+and some gauges. Two compiled passes over a tile of pairs that stays in the second-level cache: projection, Jacobian,
+variance and quantization here; the law of the total error in :mod:`viewgauge.errors.closed_form_array`.
+
+Everything is in units of the focal length (tangents of image directions), in which the probability does not depend on
+it. With ``(x_i, y_i) = (X_i, Y_i)/Z_i``, l the length of their difference and (c, s) its direction, the Jacobian of the
+length (``cos g (J_u2 - J_u1) + sin g (J_v2 - J_v1)`` with J from :func:`~viewgauge.geometry.point_jacobian`) is ::
+
+    [c d(1/Z),  s d(1/Z),  -c d(x/Z) - s d(y/Z),  -c d(xy) - s d(y²),  c d(x²) + s d(xy),  0]
+
+where d is end minus start: a turn about the optical axis changes no length. Its variance is ``|R J|²`` with R the
+triangular factor of the covariance of the other five.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors.closed_form_array import central_probability_into
+from ..geometry import VIEWS, Camera, PoseError
+from ..part.gauge_table import GaugeTable
+from ..visibility import VISIBLE
+
+__all__ = ["ProbabilityKernel"]
+
+_GAUGES = 32
+"""Gauges in a tile: with 256 settings 8192 pairs, whose values fill a third of a typical second-level cache."""
+_PAIRS = _GAUGES * VIEWS
+
+
+class ProbabilityKernel:
+    """The joint model's probability of every pair of a block of settings and a table of gauges.
+
+    Parameters
+    ----------
+    tolerance
+        ``(g,)``: relative tolerance T of each gauge.
+    """
+
+    def __init__(self, gauges: GaugeTable, tolerance: NDArray[np.float64], camera: Camera, error: PoseError) -> None:
+        self._points = np.ascontiguousarray(gauges.points)
+        self._tolerance = np.ascontiguousarray(tolerance, dtype=float)
+        factor = (error.adjoint @ error.factor)[:5]
+        R = np.linalg.qr(factor.T, mode="r")
+        steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
+        self._parameters = np.array([*R[np.triu_indices(5)], *steps])
+
+    def probabilities(
+        self, views: NDArray[np.float64], count: int, reason: NDArray[np.int8]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """``(g, 256)`` probabilities Pr{|error| <= T L}, and the margin that ranks equal ones.
+
+        Parameters
+        ----------
+        views
+            From :func:`~viewgauge.geometry.view_block`; the first ``count`` of them are evaluated.
+        reason
+            ``(g, 256)`` from :class:`~viewgauge.visibility.Culling`: pairs that are not visible get 0 and 0.
+
+        Returns
+        -------
+        The probabilities, to 1e-11, and T L in units of the standard deviation of the total error, squared.
+        """
+        gauges = len(self._points)
+        probability, margin = np.empty((gauges, VIEWS)), np.empty((gauges, VIEWS))
+        values = np.empty(5 * _PAIRS)
+        x, sigma, a, b, ratio = values.reshape(5, _PAIRS)
+        for first in range(0, gauges, _GAUGES):
+            last = min(first + _GAUGES, gauges)
+            n = (last - first) * VIEWS
+            _lengths(
+                views, count, self._points[first:last], self._tolerance[first:last], self._parameters,
+                reason[first:last], values,
+            )  # fmt: skip
+            central_probability_into(x[:n], sigma[:n], a[:n], b[:n], probability[first:last].reshape(-1))
+            margin[first:last] = ratio[:n].reshape(-1, VIEWS)
+        return probability, margin
+
+
+@numba.njit(
+    "void(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], int8[:,::1], float64[::1])",
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+    fastmath={"contract", "nsz"},
+)
+def _lengths(views, count, points, tolerance, parameters, reason, values):  # type: ignore[no-untyped-def]
+    """Rows of 8192 values: allowed error (negative where not visible), sigma, two half-widths, squared margin."""
+    R = parameters
+    step_u, step_v = parameters[15], parameters[16]
+    for g in range(len(points)):
+        row = g * VIEWS
+        any_visible = False
+        for s in range(count):
+            any_visible |= reason[g, s] == VISIBLE
+        for s in range(0 if not any_visible else count, VIEWS):
+            values[row + s], values[_PAIRS + row + s], values[2 * _PAIRS + row + s] = -1.0, 0.0, 0.0
+            values[3 * _PAIRS + row + s], values[4 * _PAIRS + row + s] = 0.0, 0.0
+        if not any_visible:
+            continue
+        x1, y1, z1 = points[g, 0, 0], points[g, 0, 1], points[g, 0, 2]
+        x2, y2, z2 = points[g, 1, 0], points[g, 1, 1], points[g, 1, 2]
+        T = tolerance[g]
+        for s in range(count):
+            r0, r1, r2 = views[s], views[VIEWS + s], views[2 * VIEWS + s]
+            r3, r4, r5 = views[3 * VIEWS + s], views[4 * VIEWS + s], views[5 * VIEWS + s]
+            r6, r7, r8 = views[6 * VIEWS + s], views[7 * VIEWS + s], views[8 * VIEWS + s]
+            cx, cy, cz = views[9 * VIEWS + s], views[10 * VIEWS + s], views[11 * VIEWS + s]
+            w1 = 1.0 / (r6 * x1 + r7 * y1 + r8 * z1 + cz)
+            w2 = 1.0 / (r6 * x2 + r7 * y2 + r8 * z2 + cz)
+            u1, v1 = (r0 * x1 + r1 * y1 + r2 * z1 + cx) * w1, (r3 * x1 + r4 * y1 + r5 * z1 + cy) * w1
+            u2, v2 = (r0 * x2 + r1 * y2 + r2 * z2 + cx) * w2, (r3 * x2 + r4 * y2 + r5 * z2 + cy) * w2
+            du, dv = u2 - u1, v2 - v1
+            length = math.sqrt(du * du + dv * dv)
+            per_length = 1.0 / length
+            c = du * per_length if length > 0.0 else 1.0
+            n = dv * per_length if length > 0.0 else 0.0
+            d_w, d_uv = w2 - w1, u2 * v2 - u1 * v1
+            j0, j1 = c * d_w, n * d_w
+            j2 = -c * (u2 * w2 - u1 * w1) - n * (v2 * w2 - v1 * w1)
+            j3 = -c * d_uv - n * (v2 + v1) * dv
+            j4 = c * (u2 + u1) * du + n * d_uv
+            e0 = R[0] * j0 + R[1] * j1 + R[2] * j2 + R[3] * j3 + R[4] * j4
+            e1 = R[5] * j1 + R[6] * j2 + R[7] * j3 + R[8] * j4
+            e2 = R[9] * j2 + R[10] * j3 + R[11] * j4
+            e3 = R[12] * j3 + R[13] * j4
+            e4 = R[14] * j4
+            variance = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 + e4 * e4
+            a, b = step_u * abs(c), step_v * abs(n)
+            allowed = T * length
+            spread = variance + (a * a + b * b) * (1 / 6)
+            visible = reason[g, s] == VISIBLE
+            values[row + s] = allowed if visible else -1.0
+            values[_PAIRS + row + s] = math.sqrt(variance)
+            values[2 * _PAIRS + row + s] = a
+            values[3 * _PAIRS + row + s] = b
+            values[4 * _PAIRS + row + s] = allowed * allowed / max(spread, 1e-300) if visible else 0.0
