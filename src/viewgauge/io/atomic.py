@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..exceptions import InputError
 
-__all__ = ["atomic_path", "write_text_atomically"]
+__all__ = ["atomic_path", "move_into_place", "write_text_atomically", "writing_in"]
 
 _STORAGE_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
@@ -29,17 +29,18 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     InputError
         If the place cannot be written to.
     """
-    target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file() and not target.is_dir():
-        yield target
+    given = Path(path)
+    if given.exists() and not given.is_file() and not given.is_dir():
+        yield given  # not where its links lead: that of a pipe is no path
         return
+    target = Path(os.path.realpath(path))
     try:
         workplace = Path(tempfile.mkdtemp(prefix=".viewgauge-", dir=target.parent))
     except OSError as error:
         raise _cannot_write(path, error) from error
     try:
         yield workplace / target.name
-        _move(workplace, target)
+        move_into_place(workplace / target.name, target)
     except OSError as error:
         if error.errno in _STORAGE_ERRORS:
             raise _cannot_write(path, error) from error
@@ -62,15 +63,32 @@ def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="")
 
 
-def _move(workplace: Path, target: Path) -> None:
-    made = workplace / target.name
+@contextmanager
+def writing_in(path: str | os.PathLike[str]) -> Iterator[None]:
+    """The system's errors of a block that writes ``path`` or beside it, as InputError."""
+    try:
+        yield
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def move_into_place(made: Path, target: Path) -> None:
+    """Rename what was made in a folder of its own to ``target`` on the same volume, in place of what is there.
+
+    A folder that is replaced is moved beside ``made``, whose folder is to be taken away afterwards.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to, or a file would replace a folder.
+    """
     try:
         if not target.is_dir():
             os.replace(made, target)
             return
         if not made.is_dir():
             raise InputError("a file cannot be written where a folder is", file=target, hint="give another path")
-        old = workplace / f"{target.name}.old"  # a folder with content cannot be replaced in one step
+        old = made.with_name(f"{target.name}.old")  # a folder with content cannot be replaced in one step
         os.replace(target, old)
         try:
             os.replace(made, target)

@@ -1,25 +1,22 @@
-"""Write the table setting x dimension: CSV, Parquet or Zarr, by the file's suffix."""
+"""Write a table that is in memory: a dataset over (setting, dimension)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from os import PathLike
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-import xarray as xr
+import numpy as np
+from numpy.typing import NDArray
 
-from ..exceptions import InputError
-from .atomic import atomic_path
+from .table_store import Column, TableLayout, open_table, require_table_suffix
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["require_table_suffix", "write_table"]
 
-_SUFFIXES = (".csv", ".parquet", ".zarr")
-
-
-def require_table_suffix(path: str | PathLike[str]) -> None:
-    """Raise InputError unless the file's suffix names a known format, before any work is done for it."""
-    if Path(path).suffix.lower() not in _SUFFIXES:
-        raise InputError("this kind of table is not known", file=path, expected=f"a suffix of {', '.join(_SUFFIXES)}")
+_PAIRS_PER_CHUNK = 500_000
 
 
 def write_table(table: xr.Dataset, path: str | PathLike[str], columns: Sequence[str]) -> None:
@@ -36,35 +33,26 @@ def write_table(table: xr.Dataset, path: str | PathLike[str], columns: Sequence[
         For an unknown suffix, a missing library, or a place that cannot be written.
     """
     require_table_suffix(path)
-    suffix = Path(path).suffix.lower()
-    with atomic_path(path) as temporary:
-        if suffix == ".zarr":
-            _write_zarr(table, temporary)
-            return
-        rows = table[list(columns)].to_dataframe(dim_order=["setting", "dimension"]).reset_index()
-        rows = rows[["setting", "dimension", *columns]]
-        if suffix == ".csv":
-            rows.to_csv(temporary, index=False, lineterminator="\n")
-            return
-        try:
-            rows.to_parquet(temporary, index=False)
-        except ImportError as error:
-            raise _missing(path, "pyarrow") from error
-
-
-def _write_zarr(table: xr.Dataset, path: Path) -> None:
-    try:
-        import zarr  # noqa: F401 - only to know whether it is there
-    except ImportError as error:
-        raise _missing(path, "zarr") from error
-    # format 2: format 3 has no settled way to store text, and warns of it
-    texts = {name: table[name].astype(str) for name in ("reason", "validity") if name in table}
-    table.assign(texts).to_zarr(path, mode="w", consolidated=False, zarr_format=2)
-
-
-def _missing(path: str | PathLike[str], library: str) -> InputError:
-    return InputError(
-        f"writing this kind of table needs {library}, which is not installed",
-        file=path,
-        hint='pip install "viewgauge[tables]", or write CSV',
+    described = {str(name): _column(str(name), table[name].values, str(name) in columns) for name in table.data_vars}
+    order = [*columns, *(name for name in described if name not in columns)]
+    layout = TableLayout(
+        [str(name) for name in table["setting"].values],
+        [str(name) for name in table["dimension"].values],
+        tuple(described[name][0] for name in order),
+        max(1, _PAIRS_PER_CHUNK // max(table.sizes["dimension"], 1)),
+        {str(name): table[name].values for name in table.coords if name not in ("setting", "dimension")},
+        {str(name): value for name, value in table.attrs.items()},
     )
+    with open_table(path, layout) as store:
+        for chunk in range(layout.chunks):
+            settings = layout.settings(chunk)
+            store.write(settings.start, {name: values[settings] for name, (_, values) in described.items()})
+
+
+def _column(name: str, values: NDArray[np.generic], in_rows: bool) -> tuple[Column, NDArray[np.generic]]:
+    """A variable's description and its values, texts as indices."""
+    if values.dtype.kind in "OU":
+        names, codes = np.unique(values.astype(str), return_inverse=True)
+        return Column(name, "name", tuple(names.tolist()), in_rows), codes.reshape(values.shape)
+    kinds = {"f": "real", "b": "flag", "i": "whole", "u": "whole"}
+    return Column(name, kinds[values.dtype.kind], in_rows=in_rows), values  # type: ignore[arg-type] # one of its kinds

@@ -1,0 +1,101 @@
+"""What a table over (setting, dimension) consists of, apart from its values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Column", "TableLayout"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the table.
+
+    Parameters
+    ----------
+    name
+        As written.
+    kind
+        What its arrays hold: "real" (float64), "flag" (bool), "whole" (int64), or "name" (indices into ``names``).
+    names
+        Of "name": what the indices stand for; written in their place.
+    in_rows
+        Whether CSV and Parquet have it too, or Zarr only.
+    """
+
+    name: str
+    kind: Literal["real", "flag", "whole", "name"] = "real"
+    names: tuple[str, ...] = ()
+    in_rows: bool = True
+
+    @property
+    def dtype(self) -> np.dtype[np.generic]:
+        """Of the values as they are read again; names as text of fixed width, the longest name's."""
+        if self.kind == "name":
+            return np.dtype(f"<U{max(1, *map(len, self.names))}")
+        return np.dtype({"real": "<f8", "flag": "|b1", "whole": "<i8"}[self.kind])
+
+
+@dataclass(frozen=True)
+class TableLayout:
+    """Ids, columns and chunks of a table.
+
+    Parameters
+    ----------
+    setting_ids, dimension_ids
+        Of n settings and D dimensions. Of the settings only slices are asked for.
+    columns
+        In the order in which they are written.
+    chunk_settings
+        Number of settings that are written at once: chunk k is the settings from ``k * chunk_settings``.
+    coordinates
+        What is known of the dimensions, by name, ``(D,)``; in Zarr only.
+    attrs
+        Of the whole table; in Zarr only.
+    """
+
+    setting_ids: Sequence[str]
+    dimension_ids: Sequence[str]
+    columns: tuple[Column, ...]
+    chunk_settings: int
+    coordinates: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    attrs: Mapping[str, str | float] = field(default_factory=dict)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return -(-len(self.setting_ids) // self.chunk_settings)
+
+    @property
+    def row_columns(self) -> tuple[Column, ...]:
+        """The columns of CSV and Parquet."""
+        return tuple(column for column in self.columns if column.in_rows)
+
+    def settings(self, chunk: int) -> slice:
+        """The settings of a chunk."""
+        first = chunk * self.chunk_settings
+        return slice(first, min(first + self.chunk_settings, len(self.setting_ids)))
+
+    def chunk_of(self, first_setting: int) -> int:
+        """The chunk that begins with a setting."""
+        chunk, rest = divmod(first_setting, self.chunk_settings)
+        if rest or not 0 <= chunk < self.chunks:
+            raise ValueError(f"no chunk of {self.chunk_settings} settings begins with setting {first_setting}")
+        return chunk
+
+    def checked(self, chunk: int, values: Mapping[str, NDArray[np.generic]]) -> dict[str, NDArray[np.generic]]:
+        """The arrays ``(m, D)`` of a chunk for each column, in the types of their kinds ("name": int64)."""
+        settings = self.settings(chunk)
+        shape = (settings.stop - settings.start, len(self.dimension_ids))
+        checked: dict[str, NDArray[np.generic]] = {}
+        for column in self.columns:
+            array = np.asarray(values[column.name])
+            if array.shape != shape:
+                raise ValueError(f"column {column.name} of chunk {chunk}: shape {array.shape}, expected {shape}")
+            checked[column.name] = array.astype(np.int64 if column.kind == "name" else column.dtype, copy=False)
+        return checked
