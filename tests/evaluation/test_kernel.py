@@ -85,7 +85,7 @@ def along_the_axes():
     return gauges, pose[None]
 
 
-@pytest.mark.parametrize("translation, rotation", [(0.1, 3e-4), (2e-3, 1e-6), (2.0, 1e-3)])
+@pytest.mark.parametrize(("translation", "rotation"), [(0.1, 3e-4), (2e-3, 1e-6), (2.0, 1e-3)])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-3, 5e-3])
 def test_under_1e_9_of_25_digits_also_at_hard_angles(translation, rotation, tolerance):
     gauges, poses = along_the_axes()

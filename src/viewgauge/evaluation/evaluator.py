@@ -139,7 +139,7 @@ class Evaluator:
                 results.append(result)
                 if progress:
                     progress(len(block))
-        joined = (np.concatenate([getattr(r, f.name) for r in results]) for f in fields(results[0]))  # type: ignore[arg-type]
+        joined = (np.concatenate([getattr(r, f.name) for r in results]) for f in fields(results[0]))
         return type(results[0])(*joined)
 
     def _ranked(self, poses: NDArray[np.float64], threshold: float) -> _Ranked:

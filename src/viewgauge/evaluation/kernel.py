@@ -47,7 +47,7 @@ class ProbabilityKernel:
         self._points = np.ascontiguousarray(gauges.points)
         self._tolerance = np.ascontiguousarray(tolerance, dtype=float)
         factor = (error.adjoint @ error.factor)[:5]
-        R = np.linalg.qr(factor.T, mode="r")
+        R = np.asarray(np.linalg.qr(factor.T, mode="r"))
         steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
         self._parameters = np.array([*R[np.triu_indices(5)], *steps])
 

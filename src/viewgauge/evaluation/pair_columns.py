@@ -61,7 +61,7 @@ class PairColumns:
         _columns(views, setting, gauge, self._points, self._covariance, self._parameters, out)
         length, sigma, a, b = out[5:]
         relative = np.divide(mean_absolute(sigma, a, b), length, out=np.ones(len(length)), where=length > 0)
-        return PairValues(*out[:4], np.maximum(1 - relative, 0.0), out[4])
+        return PairValues(out[0], out[1], out[2], out[3], np.maximum(1 - relative, 0.0), out[4])
 
 
 @numba.njit(error_model="numpy")
