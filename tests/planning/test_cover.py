@@ -71,10 +71,12 @@ def test_no_prices_bound_too_high_and_what_they_exclude_is_in_no_least_cover(acc
     least = every_least_cover(accepted)
     if not least[0]:
         return
-    prices = st.lists(st.integers(1, 9), min_size=accepted.shape[1], max_size=accepted.shape[1])
-    assert cover_module._price_bound(accepted, np.array(data.draw(prices))) <= len(least[0])
-    affordable = cover_module._affordable(accepted, len(least[0]))
-    assert all(affordable[list(chosen)].all() for chosen in least)
+    some = st.lists(st.integers(1, 9), min_size=accepted.shape[1], max_size=accepted.shape[1])
+    some = np.array(data.draw(some))
+    for prices in (some, cover_module._best_prices(accepted, some)):
+        assert cover_module._price_bound(accepted, prices) <= len(least[0])
+        affordable = cover_module._affordable(accepted, prices, len(least[0]))
+        assert all(affordable[list(chosen)].all() for chosen in least)
 
 
 @pytest.mark.parametrize("closing", ["search", "HiGHS"])

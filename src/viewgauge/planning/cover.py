@@ -89,7 +89,8 @@ def surest_minimum_cover(level: NDArray[np.uint16], time_limit_s: float = DEFAUL
     low, high = int(np.searchsorted(thresholds, _weakest(level[best]), side="right")), len(thresholds)
     while low < high and time.monotonic() < deadline:
         # what no cover of this size holds at a threshold, none holds at a higher one
-        rows = rows[_affordable(level[rows] >= thresholds[low - 1], len(best))]
+        holds = level[rows] >= thresholds[low - 1]
+        rows = rows[_affordable(holds, _best_prices(holds, np.ones(holds.shape[1], np.int64)), len(best))]
         middle = (low + high) // 2
         chosen, _ = _fewest(level[rows] >= thresholds[middle], deadline, enough=len(best))
         if chosen and len(chosen) <= len(best):
@@ -128,6 +129,7 @@ class _Component:
     holds: NDArray[np.bool_]
     cover: list[int]
     bound: int
+    prices: NDArray[np.int64]
 
     @property
     def open(self) -> bool:
@@ -196,11 +198,12 @@ def _bracketed(rows: NDArray[np.int64], holds: NDArray[np.bool_]) -> _Component:
     """The greedy cover by numbers, and where that is not least the one by prices too, with the price bound."""
     size = holds.sum(axis=1)
     simple = np.asarray(_PRICE_UNIT // np.where(holds, size[:, None], 0).max(axis=0), np.int64)
-    part = _Component(rows, holds, _greedy(holds, np.ones(holds.shape[1], np.int64)), _price_bound(holds, simple))
+    cover = _greedy(holds, np.ones(holds.shape[1], np.int64))
+    part = _Component(rows, holds, cover, _price_bound(holds, simple), simple)
     if part.open:
-        prices = _best_prices(holds, simple)
-        part.bound = max(part.bound, _price_bound(holds, prices))
-        part.cover = min(part.cover, _greedy(holds, prices + 1), key=len)
+        part.prices = _best_prices(holds, simple)
+        part.bound = max(part.bound, _price_bound(holds, part.prices))
+        part.cover = min(part.cover, _greedy(holds, part.prices + 1), key=len)
     return part
 
 
@@ -224,19 +227,18 @@ def _greedy(holds: NDArray[np.bool_], worth: NDArray[np.int64]) -> list[int]:
 def _best_prices(holds: NDArray[np.bool_], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:
     """Whole prices of the columns that bound best: of the dual of the linear relaxation."""
     rows, columns = holds.shape
-    result = linprog(-np.ones(columns), A_ub=csr_array(holds.astype(float)), b_ub=np.ones(rows), method="highs-ds")
-    if result.x is None or not result.x.max() > 0:
+    result = linprog(np.ones(rows), A_ub=csr_array(-holds.T.astype(float)), b_ub=-np.ones(columns), method="highs-ds")
+    if result.x is None or not result.ineqlin.marginals.min() < 0:
         return otherwise
-    return np.asarray(np.maximum(result.x, 0) * _PRICE_UNIT, np.int64)
+    return np.asarray(np.maximum(-result.ineqlin.marginals, 0) * _PRICE_UNIT, np.int64)
 
 
 def _price_bound(holds: NDArray[np.bool_], prices: NDArray[np.int64]) -> int:
     return -int(-prices.sum() // (holds @ prices).max())
 
 
-def _affordable(holds: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
+def _affordable(holds: NDArray[np.bool_], prices: NDArray[np.int64], most: int) -> NDArray[np.bool_]:
     """Rows that may be in a cover of at most so many rows, by the price bound."""
-    prices = _best_prices(holds, np.ones(holds.shape[1], np.int64))
     paid = holds @ prices
     return np.asarray(prices.sum() - paid <= (most - 1) * paid.max())
 
@@ -246,7 +248,7 @@ def _affordable(holds: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
 
 def _narrow(part: _Component, most: int, deadline: float) -> None:
     """Find a cover of at most so many rows, or raise the bound beyond, or as near to it as the time allows."""
-    rows = np.nonzero(_affordable(part.holds, most))[0]
+    rows = np.nonzero(_affordable(part.holds, part.prices, most))[0]
     bound: float = np.inf  # of the covers by these rows
     if part.holds[rows].any(axis=0).all():
         needed, left, columns = _reduced(part.holds[rows])
@@ -304,26 +306,28 @@ def _searched(holds: NDArray[np.bool_], most: int) -> tuple[list[int] | None, bo
     packed = np.pad(packed, ((0, 0), (0, -packed.shape[1] % 8)))
     padded = np.pad(prices, (0, 8 * packed.shape[1] - len(prices))).reshape(-1, 8)
     bits = np.unpackbits(np.arange(256, dtype=np.uint8)[:, None], axis=1, bitorder="little").astype(np.int64)
-    holders = [np.nonzero(column)[0] for column in holds.T]
+    paid = holds @ prices
+    holders = [rows[np.argsort(-paid[rows], kind="stable")] for rows in map(np.flatnonzero, holds.T)]
     ends = np.cumsum([0, *map(len, holders)])
     everything = np.pad(np.packbits(np.ones(len(prices), bool), bitorder="little"), (0, 8))[: packed.shape[1]]
     path, decided = _descend(
         np.ascontiguousarray(packed).view(np.uint64), everything.copy().view(np.uint64), np.concatenate(holders), ends,
-        padded @ bits.T, int((holds @ prices).max()), most, _SEARCH_STEPS,
+        padded @ bits.T, paid, most, _SEARCH_STEPS,
     )  # fmt: skip
     return (sorted(set(path.tolist())) if len(path) else None), bool(decided)
 
 
 @_compiled
 def _descend(
-    rows: Any, everything: Any, holders: Any, ends: Any, byte_prices: Any, dearest: int, most: int, steps: int
+    rows: Any, everything: Any, holders: Any, ends: Any, byte_prices: Any, paid: Any, most: int, steps: int
 ) -> Any:
     """Rows of a cover of at most ``most`` rows (none if not found), and whether the search came to its end.
 
-    ``rows`` ``(n, words)`` bit sets; ``holders[ends[j]:ends[j + 1]]`` the rows that hold column j; ``byte_prices``
-    ``(8 words, 256)`` what the columns in a byte of the bit set cost together; ``dearest`` the highest price of a row.
+    ``rows`` ``(n, words)`` bit sets; ``holders[ends[j]:ends[j + 1]]`` the rows that hold column j, the dearest first;
+    ``byte_prices`` ``(8 words, 256)`` what the columns in a byte of the bit set cost together; ``paid`` ``(n,)`` the
+    prices of the rows; ``steps`` the number of rows that may be looked at.
     """
-    words = rows.shape[1]
+    words, dearest = rows.shape[1], paid.max()
     left = np.zeros((most + 1, words), np.uint64)
     left[0] = everything
     branches = np.zeros((most, rows.shape[0]), np.int64)
@@ -334,13 +338,13 @@ def _descend(
         allowed = most - depth - 1  # rows beside the one chosen here
         if fresh:
             column = _first_bit(left[depth])
-            steps -= ends[column + 1] - ends[column]
-            if steps < 0:
-                return branches[0, :0].copy(), False
-            count[depth] = _branch(
-                rows, left[depth], holders[ends[column] : ends[column + 1]], over, byte_prices, allowed * dearest,
+            count[depth], looked_at = _branch(
+                rows, left[depth], holders[ends[column] : ends[column + 1]], over, byte_prices, paid, allowed * dearest,
                 branches[depth],
             )  # fmt: skip
+            steps -= looked_at
+            if steps < 0:
+                return branches[0, :0].copy(), False
             turn[depth], fresh = 0, False
         elif turn[depth] > 0:
             over[branches[depth, turn[depth] - 1]] = True
@@ -366,27 +370,53 @@ def _descend(
 
 
 @_compiled
-def _branch(rows: Any, left: Any, holders: Any, over: Any, byte_prices: Any, budget: int, branches: Any) -> int:
-    """Put the rows whose remainder the budget pays for into ``branches``, the cheapest remainder first."""
-    count = 0
-    prices = np.zeros(holders.size, np.int64)
+def _branch(
+    rows: Any, left: Any, holders: Any, over: Any, byte_prices: Any, paid: Any, budget: int, branches: Any
+) -> Any:
+    """Put the rows whose remainder the budget pays for into ``branches``, the cheapest remainder first.
+
+    Returns their number and how many rows were looked at. Without a budget one row that leaves nothing is enough.
+    """
+    least = _price(left, byte_prices) - budget  # a row takes off at most its own price
+    prices = np.empty(holders.size if budget > 0 else 0, np.int64)
+    rest = np.empty_like(left)
+    count, looked_at = 0, 0
     for row in holders:
+        if paid[row] < least:
+            break
+        looked_at += 1
         if over[row]:
             continue
-        price, rest = np.int64(0), np.uint64(0)
-        for w in range(left.size):
-            word = left[w] & ~rows[row, w]
-            rest |= word
-            if budget > 0:
-                for byte in range(8):
-                    price += byte_prices[8 * w + byte, (word >> np.uint64(8 * byte)) & np.uint64(255)]
-        if price <= budget and (budget > 0 or rest == 0):
-            branches[count], prices[count] = row, price
-            count += 1
+        if budget > 0:
+            for w in range(left.size):
+                rest[w] = left[w] & ~rows[row, w]
+            price = _price(rest, byte_prices)
+            if price <= budget:
+                branches[count], prices[count] = row, price
+                count += 1
+        elif _part_of(left, rows[row]):
+            branches[0] = row
+            return 1, looked_at
     if budget > 0:
-        order = np.argsort(prices[:count], kind="mergesort")
-        branches[:count] = branches[:count][order]
-    return count
+        branches[:count] = branches[:count][np.argsort(prices[:count], kind="mergesort")]
+    return count, looked_at
+
+
+@_compiled
+def _price(words: Any, byte_prices: Any) -> Any:
+    price = np.int64(0)
+    for w in range(words.size):
+        for byte in range(8):
+            price += byte_prices[8 * w + byte, (words[w] >> np.uint64(8 * byte)) & np.uint64(255)]
+    return price
+
+
+@_compiled
+def _part_of(words: Any, others: Any) -> bool:
+    for w in range(words.size):  # noqa: SIM110 # numba's loop is the fast one
+        if words[w] & ~others[w]:
+            return False
+    return True
 
 
 @_compiled
