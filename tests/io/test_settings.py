@@ -88,6 +88,42 @@ def test_bad_files(tmp_path, content, line, key, telling):
     assert telling in str(caught.value)
 
 
+LONG = "b, 1, 2, 3, 1, 1, 0, 0\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        (HEADER + ROW + LONG + "c, 1, two, 3, 1, 0, 0, 0\n", 3),
+        (HEADER + ROW + LONG + ROW, 3),
+        (HEADER + LONG + "c, 1\n", 2),
+        (HEADER + "c, 1, two, 3, 1, 0, 0, 0\n" + LONG, 2),
+        (HEADER + LONG.replace("b", "a") + LONG, 2),
+        ((HEADER + "\n" + ROW + "\n" + LONG).replace("\n", "\r"), 5),
+        (HEADER + ROW.replace("a", '"a\nb"') + LONG, 4),
+    ],
+)
+def test_the_first_bad_line_is_told(tmp_path, content, line):
+    with pytest.raises(SettingsFileError) as caught:
+        read_settings(written(tmp_path, content))
+    assert caught.value.line == line
+
+
+def test_many_rows_are_those_of_each(tmp_path, monkeypatch):
+    rng = np.random.default_rng(7)
+    quaternions = rng.normal(size=(50, 4))
+    quaternions /= np.linalg.norm(quaternions, axis=1)[:, None]
+    rows = [f"S{k}, {k}, 0, 0, {', '.join(map(repr, q))}\n" for k, q in enumerate(quaternions.tolist())]
+    monkeypatch.setattr("viewgauge.io.settings._ROWS_PER_BLOCK", 16)
+    ids, poses = read_settings(written(tmp_path, HEADER + "".join(rows)))
+    assert ids == tuple(f"S{k}" for k in range(50))
+    for row, pose in zip(rows, poses, strict=True):
+        np.testing.assert_array_equal(read_settings(written(tmp_path, HEADER + row))[1][0], pose)
+    with pytest.raises(SettingsFileError) as caught:
+        read_settings(written(tmp_path, HEADER + "".join(rows[:40]) + LONG + "".join(rows[40:])))
+    assert caught.value.line == 42
+
+
 def test_missing_file_and_folder(tmp_path):
     with pytest.raises(SettingsFileError, match="does not exist"):
         read_settings(tmp_path / "none.csv")

@@ -10,7 +10,10 @@ import csv
 import io
 import math
 import os
+import re
+from array import array
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +27,10 @@ __all__ = ["COLUMNS", "read_settings", "write_settings"]
 
 COLUMNS = ("id", "x", "y", "z", "qw", "qx", "qy", "qz")
 
-_Row = tuple[int, dict[str, str]]
+_ROWS_PER_BLOCK = 2**16  # bounds what the conversion needs beside its result
+_LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
+
+_Row = tuple[int, str, list[str]]
 
 
 def read_settings(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
@@ -36,25 +42,29 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArra
         With file, line and column, if anything in it cannot be used.
     """
     text = read_text(path, SettingsFileError)
-    poses: dict[str, NDArray[np.float64]] = {}
-    lines: dict[str, int] = {}
-    for line, row in _rows(path, text):
-        name = row["id"]
-        if not name:
-            raise SettingsFileError("the id is empty", file=path, line=line, key="id", expected="a unique name")
-        if name in poses:
-            raise SettingsFileError(
-                "the id is used twice",
-                file=path,
-                line=line,
-                key="id",
-                got=f"'{name}', first in line {lines[name]}",
-                expected="a unique name",
-            )
-        poses[name], lines[name] = _pose(path, line, row), line
-    if not poses:
+    lines: dict[str, int] = {}  # by id
+    numbers = array("d")  # seven of each row
+    try:
+        for line, name, cells in _rows(path, text):
+            if not name:
+                raise SettingsFileError("the id is empty", file=path, line=line, key="id", expected="a unique name")
+            if name in lines:
+                raise SettingsFileError(
+                    "the id is used twice",
+                    file=path,
+                    line=line,
+                    key="id",
+                    got=f"'{name}', first in line {lines[name]}",
+                    expected="a unique name",
+                )
+            numbers.extend(_numbers(path, line, cells))
+            lines[name] = line
+    except SettingsFileError:
+        _poses(path, numbers, lines)  # what is wrong further up is told first
+        raise
+    if not lines:
         raise SettingsFileError("no settings in the file", file=path, expected="at least one row below the header")
-    return tuple(poses), np.stack(list(poses.values()))
+    return tuple(lines), _poses(path, numbers, lines)
 
 
 def write_settings(path: str | os.PathLike[str], ids: Sequence[str], poses: ArrayLike) -> None:
@@ -77,8 +87,8 @@ def write_settings(path: str | os.PathLike[str], ids: Sequence[str], poses: Arra
 
 
 def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
-    """Line number and cells by column name of each row that is not blank."""
-    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
+    """Line number, id and the other cells in the order of the columns, of each row that is not blank."""
+    reader = csv.reader((line.group() for line in _LINE.finditer(text)), skipinitialspace=True, strict=True)
     header: list[str] | None = None
     try:
         for cells in reader:
@@ -87,6 +97,7 @@ def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
                 continue
             if header is None:
                 header = _header(path, reader.line_num, cells)
+                chosen = itemgetter(*(header.index(column) for column in COLUMNS))
                 continue
             if len(cells) != len(header):
                 raise SettingsFileError(
@@ -96,7 +107,8 @@ def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
                     got=len(cells),
                     expected=f"{len(header)}: {', '.join(header)}",
                 )
-            yield reader.line_num, dict(zip(header, cells, strict=True))
+            name, *others = chosen(cells)
+            yield reader.line_num, name, others
     except csv.Error as error:
         raise SettingsFileError(f"not valid CSV: {error}", file=path, line=reader.line_num) from error
     if header is None:
@@ -122,26 +134,54 @@ def _header(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[s
     return cells
 
 
-def _pose(path: str | os.PathLike[str], line: int, row: dict[str, str]) -> NDArray[np.float64]:
-    numbers = []
-    for column in COLUMNS[1:]:
-        try:
-            number = float(row[column])
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise SettingsFileError(
-                "not a finite number",
-                file=path,
-                line=line,
-                key=column,
-                got=row[column] or "an empty cell",
-                expected="a number in mm, without its unit" if column in "xyz" else "a part of a unit quaternion",
-            )
-        numbers.append(number)
+def _numbers(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[float]:
+    """The numbers of a row, position and quaternion; all finite."""
     try:
-        return pose_from_quaternion(numbers[:3], numbers[3:])
-    except InputError as error:
+        numbers = list(map(float, cells))
+        if math.isfinite(sum(numbers)):
+            return numbers
+    except ValueError:
+        pass
+    return [_number(path, line, column, cell) for column, cell in zip(COLUMNS[1:], cells, strict=True)]
+
+
+def _number(path: str | os.PathLike[str], line: int, column: str, cell: str) -> float:
+    try:
+        number = float(cell)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
         raise SettingsFileError(
-            error.problem, file=path, line=line, key="qw, qx, qy, qz", got=error.got, expected=error.expected
-        ) from error
+            "not a finite number",
+            file=path,
+            line=line,
+            key=column,
+            got=cell or "an empty cell",
+            expected="a number in mm, without its unit" if column in "xyz" else "a part of a unit quaternion",
+        )
+    return number
+
+
+def _poses(path: str | os.PathLike[str], numbers: array[float], lines: dict[str, int]) -> NDArray[np.float64]:
+    """Poses ``(n, 4, 4)`` of rows of seven numbers."""
+    rows = np.asarray(numbers).reshape(-1, 7)
+    poses = np.empty((len(rows), 4, 4))
+    for first in range(0, len(rows), _ROWS_PER_BLOCK):
+        block = slice(first, first + _ROWS_PER_BLOCK)
+        try:
+            poses[block] = pose_from_quaternion(rows[block, :3], rows[block, 3:])
+        except InputError:
+            _require_unit(path, rows[block], list(lines.values())[block])
+            raise
+    return poses
+
+
+def _require_unit(path: str | os.PathLike[str], rows: NDArray[np.float64], lines: Sequence[int]) -> None:
+    """Raise SettingsFileError for the first row that is no pose."""
+    for row, line in zip(rows, lines, strict=True):
+        try:
+            pose_from_quaternion(row[:3], row[3:])
+        except InputError as error:
+            raise SettingsFileError(
+                error.problem, file=path, line=line, key="qw, qx, qy, qz", got=error.got, expected=error.expected
+            ) from error
