@@ -181,6 +181,44 @@ def test_an_item_that_kills_its_workers_is_named_when_all_others_are_done(two_wo
     np.testing.assert_array_equal(results(two_workers), results(InProcess()))
 
 
+@dataclass(frozen=True)
+class Written:
+    """A table of two columns that workers fill."""
+
+    writer: object
+    folder: str
+
+
+def write_chunk(written, chunk):
+    leave_trace(written, chunk)
+    if chunk == 3 and len(begun(written.folder, 3)) == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    settings = written.writer.layout.settings(chunk)
+    values = np.sin(np.arange(settings.start, settings.stop)[:, None] * np.arange(1, 8))
+    written.writer.write(settings.start, {"sine": values, "positive": values > 0}, {"chunk": chunk})
+    return chunk
+
+
+def test_workers_write_a_table_and_a_lost_one_leaves_no_trace_in_it(two_workers, tmp_path):
+    pytest.importorskip("zarr")
+    from viewgauge.io.table_store import Column, TableLayout, open_table
+
+    columns = (Column("sine"), Column("positive", "flag"))
+    layout = TableLayout([f"S{k}" for k in range(50)], [f"d{k}" for k in range(7)], columns, 5)
+    for name, executor in (("here", InProcess()), ("there", two_workers)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / ("x" if executor is two_workers else "3.0.0")).touch()  # as if begun before: not killed here
+        with open_table(tmp_path / f"{name}.zarr", layout, "job") as store:
+            written = Written(store.writer(), str(tmp_path / name))
+            assert sorted(chunk for _, chunk in executor.run(write_chunk, written, range(10))) == list(range(10))
+    assert len(begun(tmp_path / "there", 3)) == 2
+    here, there = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder in (tmp_path / "here.zarr", tmp_path / "there.zarr")
+    )
+    assert here == there
+
+
 # --- exceptions -------------------------------------------------------------------------------------------------------
 
 
