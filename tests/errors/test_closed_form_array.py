@@ -30,6 +30,7 @@ ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT.parent / "shared" / "reference" / "quantization.csv"
 
 CLAIMED = 1e-11
+REACHED = 6e-12  # a term of the series that is wrong in the last of its digits that count shows here
 ASKED = 1e-10  # of the properties: a sum or difference of two values
 
 
@@ -202,7 +203,7 @@ def test_many_random_pairs_equal_the_scalar_code(spread):
     bulk = rng.uniform(0, 10, n) * rng.choice([0.1, 0.3, 1.0], n) * deviation_of(sigma, a, b)
     kinks = np.abs(rng.integers(-1, 2, n) * a + rng.integers(-1, 2, n) * b + rng.choice([0, 7.5, 9, -9], n) * sigma)
     for x in (bulk, kinks, kinks * (1 + rng.normal(0, 1e-6, n))):
-        np.testing.assert_allclose(central(x, sigma, a, b), central_probability(x, sigma, a, b), rtol=0, atol=CLAIMED)
+        np.testing.assert_allclose(central(x, sigma, a, b), central_probability(x, sigma, a, b), rtol=0, atol=REACHED)
 
 
 # (c) The constants, made anew.

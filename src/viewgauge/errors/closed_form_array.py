@@ -1,4 +1,4 @@
-"""P(|error| <= x) of the closed form for arrays: 60 times as fast as the scalar code, to 1e-11 instead of 1e-15.
+"""P(|error| <= x) of the closed form for arrays: 15 times as fast as the scalar code, to 1e-11 instead of 1e-15.
 
 The law is that of :mod:`closed_form`: a normal error of standard deviation sigma plus two triangular errors of
 half-widths a and b. What makes it fast is that each pair is put to the cheapest of three forms, and that all pairs of
@@ -46,8 +46,10 @@ _REACH = 9.0
 """Beyond this many sigma a normal law is 0 or 1."""
 _SURE = 7.5
 """An allowed error of this many sigma beyond the widest quantization error is certain, to 1e-13."""
+_DONE = 3
+"""Comes after the three forms: nothing to compute."""
 _TILE = 1024
-"""Pairs sorted by form at once: their values stay in the first-level cache."""
+"""Pairs sorted by form at once: enough to fill the groups of every form, few enough to stay in the nearest caches."""
 _LANES = 32
 """The forms run over whole groups of so many pairs. The few that a loop leaves over would be computed one by one:
 slowly, and rounded otherwise, so that a result would depend on its neighbours."""
@@ -229,11 +231,27 @@ def _loop(form: Callable[..., float]) -> Callable[..., None]:
     return compiled
 
 
-_loops = tuple(_loop(form) for form in (_both_small, _narrow_small, _none_small))
-_loop_both, _loop_narrow, _loop_none = _loops
+_loop_both, _loop_narrow, _loop_none = (_loop(form) for form in (_both_small, _narrow_small, _none_small))
 
 
-_DONE = np.int64(3)  # comes after the three forms: nothing to compute
+@numba.njit(error_model="numpy")  # not _FLOATS: a pair at a border must get the same form in every place
+def _sort(x, sigma, a, b, form, scaled, out):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
+    """The form of each pair, its numbers in a unit of its own, and its value where that is known already."""
+    for k in range(x.size):
+        here, spread, wide, narrow = x[k], sigma[k], max(a[k], b[k]), min(a[k], b[k])
+        total = here + spread + a[k] + b[k]
+        certain = (here >= 0.0) & (here >= wide + narrow + _SURE * spread)
+        undefined = total != total  # NaN
+        wide_counts = wide > _SMALL * spread
+        narrow_counts = wide_counts & (narrow > _SMALL * spread) & (narrow > _NEGLIGIBLE * wide)
+        computed = np.int64(wide_counts) + np.int64(narrow_counts)
+        form[k] = _DONE if certain | undefined | (here < 0.0) else computed
+        unit = 1.0 / max(max(wide, spread), 1e-300)  # in this unit no square under- or overflows
+        scaled[0, k], scaled[1, k] = here * unit, spread * unit
+        scaled[2, k], scaled[3, k] = wide * unit, narrow * unit
+        out[k] = total if undefined else (1.0 if certain else 0.0)
+
+
 _PAIRS_IN = numba.types.Array(numba.float64, 1, "C", readonly=True)  # takes writable arrays as well
 _PAIRS_OUT = numba.types.Array(numba.float64, 1, "C")
 
@@ -246,37 +264,31 @@ _PAIRS_OUT = numba.types.Array(numba.float64, 1, "C")
     fastmath=_FLOATS,
 )
 def _central_into(x, sigma, a, b, out):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
-    where = np.empty((4, _TILE), np.int64)
+    form, scaled, known = np.empty(_TILE, np.uint64), np.empty((4, _TILE)), np.empty(_TILE)
+    where = np.empty((4, _TILE), np.uint64)
     values = np.ones((4, 5, _TILE))
-    counts = np.empty(4, np.int64)
+    counts = np.empty(4, np.uint64)
     for first in range(0, x.size, _TILE):
+        last = min(first + _TILE, x.size)
+        _sort(x[first:last], sigma[first:last], a[first:last], b[first:last], form, scaled, known)
         counts[:] = 0
-        for k in range(first, min(first + _TILE, x.size)):  # without branches: which form comes next is hard to foresee
-            here, spread, wide, narrow = x[k], sigma[k], max(a[k], b[k]), min(a[k], b[k])
-            total = here + spread + a[k] + b[k]
-            scale = max(wide, spread)
-            certain = (here >= 0.0) & (here >= wide + narrow + _SURE * spread)
-            undefined = total != total  # NaN
-            difference = wide > _SMALL * spread
-            form = np.int64(difference) + np.int64(
-                difference & (narrow > _SMALL * spread) & (narrow > _NEGLIGIBLE * wide)
-            )
-            form = _DONE if certain | undefined | (here < 0.0) else form
-            n, unit = counts[form], 1.0 / max(scale, 1e-300)  # in this unit no square under- or overflows
-            where[form, n] = k
-            values[form, 0, n], values[form, 1, n] = here * unit, spread * unit
-            values[form, 2, n], values[form, 3, n] = wide * unit, narrow * unit
-            counts[form] = n + 1
-            out[k] = total if undefined else (1.0 if certain else 0.0)
+        for k in range(last - first):  # without branches: which form comes next is hard to foresee
+            f = form[k]
+            n = counts[f]
+            counts[f] = n + np.uint64(1)
+            where[f, n] = k
+            values[f, 0, n], values[f, 1, n] = scaled[0, k], scaled[1, k]
+            values[f, 2, n], values[f, 3, n] = scaled[2, k], scaled[3, k]
         v = values[0]
-        _loop_both(v[0], v[1], v[2], v[3], v[4], -(-counts[0] // _LANES) * _LANES)
+        _loop_both(v[0], v[1], v[2], v[3], v[4], -(-np.int64(counts[0]) // _LANES) * _LANES)
         v = values[1]
-        _loop_narrow(v[0], v[1], v[2], v[3], v[4], -(-counts[1] // _LANES) * _LANES)
+        _loop_narrow(v[0], v[1], v[2], v[3], v[4], -(-np.int64(counts[1]) // _LANES) * _LANES)
         v = values[2]
-        _loop_none(v[0], v[1], v[2], v[3], v[4], -(-counts[2] // _LANES) * _LANES)
-        for computed in range(_DONE):
-            for k in range(counts[computed]):
-                out[where[computed, k]] = min(max(values[computed, 4, k], 0.0), 1.0)
+        _loop_none(v[0], v[1], v[2], v[3], v[4], -(-np.int64(counts[2]) // _LANES) * _LANES)
+        for f in range(_DONE):
+            for k in range(np.int64(counts[f])):
+                known[where[f, k]] = min(max(values[f, 4, k], 0.0), 1.0)
+        out[first:last] = known[: last - first]
 
 
 def central_probability_into(
