@@ -254,15 +254,21 @@ def test_the_cumulants_are_those_of_a_triangular_law():
         assert constant == pytest.approx(float(cumulants[2 * k] / math.factorial(2 * k)), rel=1e-15, abs=0)
 
 
-def test_the_series_coefficients_are_those_of_the_exponential_of_the_cumulants():
-    cumulants, u, v = triangular_cumulants(16), Fraction(2, 5), Fraction(1, 7)
+def series_coefficients(u, v):
+    """C_0 … C_8 of the exponential of the cumulants from the fourth on; u, v squares of the half-widths."""
+    cumulants = triangular_cumulants(16)
     exponent = [Fraction(0)] * 2
     exponent += [cumulants[2 * k] / math.factorial(2 * k) * (u**k + v**k) for k in range(2, 9)]
     series = [Fraction(1)]  # n C_n = sum of m q_m C_(n-m)
     for n in range(1, 9):
         series.append(sum(m * exponent[m] * series[n - m] for m in range(1, n + 1)) / n)
-    computed = closed_form_array._coefficients(float(u), float(v))
-    assert computed == pytest.approx([float(c) for c in series[2:]], rel=1e-13, abs=0)
+    return series
+
+
+def test_the_series_coefficients_are_those_of_the_exponential_of_the_cumulants():
+    u, v = Fraction(2, 5), Fraction(1, 7)
+    expected = [float(c) for c in series_coefficients(u, v)[2:]]
+    assert closed_form_array._coefficients(float(u), float(v)) == pytest.approx(expected, rel=1e-13, abs=0)
 
 
 # (d) Pieces, neighbours, threads.

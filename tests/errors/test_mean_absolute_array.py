@@ -6,15 +6,17 @@ It claims 3e-12 of the standard deviation and reaches 1.3e-12, where both half-w
 import math
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
-from test_closed_form import characteristic_function, fourier_integral
-from test_closed_form_array import ANGLES, LIMITS, SPREADS, SWITCHES, deviation_of
+from test_closed_form import characteristic_function, fourier_integral, integrated_normal
+from test_closed_form_array import ANGLES, LIMITS, SPREADS, SWITCHES, deviation_of, series_coefficients
 
 from strategies import scales
+from viewgauge.errors import mean_absolute_array
 from viewgauge.errors.closed_form import mean_absolute
 from viewgauge.errors.mean_absolute_array import mean_absolute_into
 from viewgauge.exceptions import InputError
@@ -71,6 +73,29 @@ def test_hard_points_equal_the_scalar_code(sigma, a, b):
 def test_it_equals_the_scalar_code(sigma, a, b):
     tolerance = CLAIMED * deviation_of(sigma, a, b)
     assert mean(sigma, a, b) == pytest.approx(float(mean_absolute(sigma, a, b)), rel=0, abs=tolerance)
+
+
+def integrated_series(y, coefficients, order):
+    """The series of a folded law at y, integrated ``order`` times; in units of its variance."""
+
+    def derivative(n):  # of the standard normal law
+        if n <= 0:
+            return integrated_normal(mp.mpf(y), -n)
+        hermite = mp.hermite(n - 1, y / mp.sqrt(2)) / mp.sqrt(2) ** (n - 1)
+        return (-1) ** (n - 1) * hermite * mp.npdf(y)
+
+    return sum(mp.mpf(c.numerator) / c.denominator * derivative(2 * k - order) for k, c in enumerate(coefficients))
+
+
+def test_every_term_of_the_folded_series_counts():
+    # half-widths so large that the series is no law any more, and that its last terms are no rounding
+    a, b, wide = 1.5, 1.25, 1.75
+    expected = 2 * integrated_series(0, series_coefficients(Fraction(a) ** 2, Fraction(b) ** 2), 1)
+    by_both = mean_absolute_array._both_small(math.sqrt(1 - (a**2 + b**2) / 6), a, b)
+    assert by_both == pytest.approx(float(expected), rel=1e-13)
+    at = [integrated_series(y, series_coefficients(Fraction(a) ** 2, Fraction(0))[:8], 3) for y in (wide, 0, -wide)]
+    by_narrow = mean_absolute_array._narrow_small(math.sqrt(1 - a**2 / 6), wide, a)
+    assert by_narrow == pytest.approx(float(2 * (at[0] - 2 * at[1] + at[2]) / wide**2), rel=1e-13)
 
 
 @pytest.mark.parametrize("spread", SPREADS)
