@@ -4,27 +4,37 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import xarray as xr
 
+from viewgauge.evaluation import BestRows, TableBlock
 from viewgauge.planning.cause import limiting_cause
 from viewgauge.visibility import REASONS
 
 
-def column(reasons, probability=None, pose=0.2, pixels=0.1, length=500.0):
+def cause(reasons, probability=None, pose=0.2, pixels=0.1, length=500.0):
+    """The cause told of one dimension from n settings."""
     n = len(reasons)
-    values = {
-        "reason": np.array(reasons, dtype=object),
-        "visible": np.array([r == "" for r in reasons]),
-        "probability": np.zeros(n) if probability is None else np.array(probability),
-        "sigma_displacement_px": np.broadcast_to(pose, n),
-        "sigma_quantization_px": np.broadcast_to(pixels, n),
-        "image_length_px": np.broadcast_to(length, n),
-    }
-    return xr.Dataset({name: ("setting", value) for name, value in values.items()})
+    code = np.array([[REASONS.index(reason)] for reason in reasons], dtype=np.int8)
+
+    def real(value):
+        return np.broadcast_to(value, n).astype(float)[:, None]
+
+    block = TableBlock(
+        reason=code,
+        image_length_px=real(length),
+        angle_rad=real(0.0),
+        relative_tolerance=real(0.01),
+        sigma_displacement_px=real(pose),
+        sigma_quantization_px=real(pixels),
+        probability=real(0.0 if probability is None else probability),
+        expected_accuracy=real(0.0),
+        gauge=np.zeros((n, 1), dtype=np.int32),
+        validity=np.zeros((n, 1), dtype=np.int8),
+    )
+    return limiting_cause(BestRows.of(block, np.arange(n)), 0)
 
 
 def test_the_dominating_reason_comes_first_with_its_share():
-    told = limiting_cause(column(["occluded"] * 6 + ["out_of_view"] * 3 + ["facing_away"]))
+    told = cause(["occluded"] * 6 + ["out_of_view"] * 3 + ["facing_away"])
     assert told == (
         "not visible from any of 10 candidates: hidden by the part (60%), outside the image (30%), "
         "on faces turned away (10%)"
@@ -33,7 +43,7 @@ def test_the_dominating_reason_comes_first_with_its_share():
 
 @pytest.mark.parametrize("reason", REASONS[:-1])
 def test_every_reason_has_words(reason):
-    told = limiting_cause(column([reason, reason]))
+    told = cause([reason, reason])
     assert "(100%)" in told
     assert "_" not in told
 
@@ -48,19 +58,17 @@ def test_every_reason_has_words(reason):
     ],
 )
 def test_the_larger_share_of_the_variance_limits(pose, pixels, telling):
-    told = limiting_cause(column(["", "occluded"], [0.4, 0.0], pose, pixels))
+    told = cause(["", "occluded"], [0.4, 0.0], pose, pixels)
     assert telling in told
     assert f"{np.hypot(pose, pixels):.3g} px of 500 px" in told
 
 
 def test_the_shares_are_those_of_the_best_setting():
-    told = limiting_cause(column(["", "", ""], [0.1, 0.8, 0.2], pose=[1.0, 0.1, 1.0], pixels=[0.1, 0.3, 0.1]))
+    told = cause(["", "", ""], [0.1, 0.8, 0.2], pose=[1.0, 0.1, 1.0], pixels=[0.1, 0.3, 0.1])
     assert "limited by pixels (90%" in told
 
 
 def test_the_best_setting_is_a_visible_one_even_where_nothing_is_probable():
-    told = limiting_cause(
-        column(["occluded", ""], [0.0, 0.0], pose=[np.nan, 0.3], pixels=[np.nan, 0.1], length=[400.0, 500.0])
-    )
+    told = cause(["occluded", ""], [0.0, 0.0], pose=[np.nan, 0.3], pixels=[np.nan, 0.1], length=[400.0, 500.0])
     assert "pose error (90%" in told
     assert "nan" not in told

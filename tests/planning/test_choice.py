@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-import xarray as xr
+from dataclasses import fields, replace
 
-from viewgauge.evaluation import Requirement
+import numpy as np
+
+from viewgauge.evaluation import BestRows, Requirement, TableBlock
 from viewgauge.part import Dimension, Gauge, Unusable
-from viewgauge.planning import choose_settings, without_allowed_error
+from viewgauge.planning import (
+    Undominated,
+    choose_settings,
+    compose_plan,
+    probability_levels,
+    without_allowed_error,
+)
+from viewgauge.visibility import REASONS
 
 REQUIRED = Requirement("error", 0.05, 0.9)
 
@@ -20,28 +28,48 @@ def dimension(name, count=2, tolerance=(-0.1, 0.1)):
 
 def table(probability, gauge=0, hidden=()):
     probability = np.array(probability, dtype=float)
-    reason = np.full(probability.shape, "", dtype=object)
+    reason = np.full(probability.shape, REASONS.index(""), dtype=np.int8)
     for k, j in hidden:
-        reason[k, j], probability[k, j] = "occluded", 0.0
-    values = {
-        "visible": reason == "",
-        "reason": reason,
-        "probability": probability,
-        "expected_accuracy": probability * 0.999,
-        "gauge": np.broadcast_to(gauge, probability.shape),
-        "sigma_displacement_px": np.full(probability.shape, 0.3),
-        "sigma_quantization_px": np.full(probability.shape, 0.1),
-        "image_length_px": np.full(probability.shape, 500.0),
-    }
-    over = ("setting", "dimension")
-    allowed = {"allowed_error_mm": ("dimension", np.full(probability.shape[1], 0.05))}
-    return xr.Dataset({name: (over, value) for name, value in values.items()}, coords=allowed)
+        reason[k, j], probability[k, j] = REASONS.index("occluded"), 0.0
+    return TableBlock(
+        reason=reason,
+        image_length_px=np.full(probability.shape, 500.0),
+        angle_rad=np.zeros(probability.shape),
+        relative_tolerance=np.full(probability.shape, 0.005),
+        sigma_displacement_px=np.full(probability.shape, 0.3),
+        sigma_quantization_px=np.full(probability.shape, 0.1),
+        probability=probability,
+        expected_accuracy=probability * 0.999,
+        gauge=np.full(probability.shape, gauge, dtype=np.int32),
+        validity=np.zeros(probability.shape, dtype=np.int8),
+    )
 
 
-def plan_of(values, dimensions, unusable=(), **options):
-    poses = np.tile(np.eye(4), (values.sizes["setting"], 1, 1))
+def rows(values: TableBlock, chosen):
+    return TableBlock(*(getattr(values, f.name)[list(chosen)] for f in fields(values)))
+
+
+def plan_of(values, dimensions, unusable=(), ids=None):
+    """As the workflow does it: keep what the cover needs, choose, compose."""
+    poses = np.tile(np.eye(4), (len(values.reason), 1, 1))
     poses[:, 0, 3] = np.arange(len(poses))
-    return choose_settings(values, poses, dimensions, unusable, REQUIRED, 3, **options)
+    level = probability_levels(np.where(values.visible, values.probability, 0.0), REQUIRED.probability)
+    kept = Undominated(len(dimensions))
+    kept.add(np.arange(len(level)), level, np.ones(level.shape, dtype=bool))
+    cover = choose_settings(kept)
+    best = BestRows.of(values, np.arange(len(level)))
+    return compose_plan(
+        rows(values, cover.chosen),
+        poses[list(cover.chosen)],
+        [ids[k] if ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)],
+        {j: (best, j) for j in range(len(dimensions))},
+        dimensions,
+        unusable,
+        REQUIRED,
+        lower_bound=cover.lower_bound,
+        candidate_count=len(poses),
+        seed=3,
+    )
 
 
 def test_each_dimension_is_measured_by_the_surest_of_the_chosen():
@@ -64,7 +92,7 @@ def test_each_dimension_is_measured_by_the_surest_of_the_chosen():
 
 def test_an_unmet_dimension_names_the_best_of_all_candidates_and_costs_no_setting():
     values = table([[0.95, 0.2, 0.0], [0.0, 0.7, 0.0], [0.0, 0.0, 0.0]], hidden=[(0, 2), (1, 2), (2, 2)])
-    plan = plan_of(values, [dimension(name) for name in "abc"], setting_ids=["x", "y", "z"])
+    plan = plan_of(values, [dimension(name) for name in "abc"], ids=["x", "y", "z"])
     assert [s.id for s in plan.settings] == ["x"]
     met, best, unseen = plan.dimensions
     assert (met.status, met.setting) == ("met", "x")
@@ -82,8 +110,7 @@ def test_nothing_met_is_a_plan_of_no_setting():
 
 
 def test_a_probability_that_is_not_seen_counts_for_nothing():
-    values = table([[0.99]])
-    values["visible"][0, 0] = False
+    values = replace(table([[0.99]]), reason=np.array([[REASONS.index("occluded")]], dtype=np.int8))
     assert plan_of(values, [dimension("a")]).dimensions[0].status == "unmet"
 
 

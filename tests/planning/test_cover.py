@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.optimize
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_strategies import acceptances, level_tables
@@ -199,7 +200,7 @@ def cut_off(monkeypatch):
     """Has HiGHS end out of time with the outcome given as a function of the true one; the search does nothing."""
 
     def arrange(outcome):
-        now, true = [0.0], cover_module.milp
+        now, true = [0.0], scipy.optimize.milp
 
         def milp(*args, **options):
             now[0] = np.inf
@@ -207,7 +208,7 @@ def cut_off(monkeypatch):
 
         monkeypatch.setattr(cover_module, "_SEARCH_STEPS", 0)
         monkeypatch.setattr(cover_module, "time", SimpleNamespace(monotonic=lambda: now[0]))
-        monkeypatch.setattr(cover_module, "milp", milp)
+        monkeypatch.setattr(scipy.optimize, "milp", milp)
 
     return arrange
 

@@ -27,8 +27,12 @@ __all__ = ["main"]
 _DONE, _NOT_MET, _BAD_INPUT = 0, 1, 2
 _INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
+_SETTINGS_PER_CHUNK = 16_384  # as workflow/chunks.py has it, which takes long to import; a test compares
+
 _Part = Annotated[Path | None, Parameter(name="--part", help="CAD file or mesh, in place of the file's own.")]
 _Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the result as JSON.")]
+
+_Scheduler = Annotated[str | None, Parameter(name="--scheduler", help="Run on the Dask scheduler at this address.")]
 
 
 def _whole_number(_: object, tokens: Sequence[Token]) -> int:
@@ -37,6 +41,15 @@ def _whole_number(_: object, tokens: Sequence[Token]) -> int:
         return int(tokens[0].value)
     except ValueError:
         raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
+
+
+_Workers = Annotated[
+    int | None,
+    Parameter(name="--workers", converter=_whole_number, help="Run on this many processes (Dask) of this machine."),
+]
+_Chunk = Annotated[
+    int, Parameter(name="--chunk", converter=_whole_number, help="Settings evaluated at once; bounds the memory.")
+]
 
 
 def _version() -> str:
@@ -63,9 +76,14 @@ def _plan(
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     part: _Part = None,
     seed: Annotated[int | None, Parameter(converter=_whole_number)] = None,
+    scheduler: _Scheduler = None,
+    workers: _Workers = None,
+    chunk: _Chunk = _SETTINGS_PER_CHUNK,
     json: _Json = False,
 ) -> int:
     """Choose the fewest settings that measure every dimension as required.
+
+    A long job that was stopped goes on where it was when it is started again.
 
     Parameters
     ----------
@@ -82,7 +100,15 @@ def _plan(
     with workflow.output_folder(output):
         with bars.stage("Reading the inspection and its part"):
             inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.plan)  # which imports it
-        plan = workflow.plan(inspection, seed=seed, progress=bars)
+        with workflow.open_executor(scheduler, workers) as executor:
+            plan = workflow.plan(
+                inspection,
+                seed=seed,
+                progress=bars,
+                executor=executor,
+                settings_per_chunk=chunk,
+                journal=output / ".partial",
+            )
         with bars.stage("Writing the report"):
             workflow.write_plan(plan, inspection, output)
     document = workflow.describe_plan(plan, inspection)
@@ -102,10 +128,17 @@ def _evaluate(
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     method: Literal["joint", "independent", "monte-carlo"] = "joint",
     precision: float = 1e-3,
+    sampled: Annotated[bool, Parameter(negative="")] = False,
+    columns: str | None = None,
     part: _Part = None,
+    scheduler: _Scheduler = None,
+    workers: _Workers = None,
+    chunk: _Chunk = _SETTINGS_PER_CHUNK,
     json: _Json = False,
 ) -> int:
     """Evaluate every dimension from every given setting.
+
+    A Zarr table that was interrupted goes on where it was when the same command is given again.
 
     Parameters
     ----------
@@ -120,6 +153,10 @@ def _evaluate(
         or monte-carlo (the exact camera).
     precision
         With monte-carlo: half-width of the 99 % confidence interval of each probability.
+    sampled
+        Evaluate the candidates that a plan would sample, in place of given settings.
+    columns
+        Columns to write, separated by commas; by default all.
     """
     from .. import workflow
 
@@ -128,16 +165,26 @@ def _evaluate(
     bars = Bars()
     with workflow.output_folder(output.parent) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.evaluate)  # which imports it
-        table = workflow.evaluate(inspection, settings, method=method, precision=precision, progress=bars)
-        if output is not None:
-            workflow.write_evaluation(table, output)
-    best = workflow.best_of_each(table)
+            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.evaluate_into)  # which imports it
+        with workflow.open_executor(scheduler, workers) as executor:
+            evaluation = workflow.evaluate_into(
+                inspection,
+                output,
+                settings,
+                sampled=sampled,
+                columns=None if columns is None else [name.strip() for name in columns.split(",")],
+                method=method,
+                precision=precision,
+                progress=bars,
+                executor=executor,
+                settings_per_chunk=chunk,
+            )
+    best, count = evaluation.best_of_each(), evaluation.settings
     refused = workflow.check(inspection)["not_measurable"]
     if json:
-        print_json({"settings": table.sizes["setting"], "method": method, "best": best, "not_measurable": refused})
+        print_json({"settings": count, "method": method, "best": best, "not_measurable": refused})
     else:
-        print_table_summary(best, refused, table.sizes["setting"], method)
+        print_table_summary(best, refused, count, method)
         if output is not None:
             print(f"written to {output}")
     return _DONE if not refused and all(row["accepted"] for row in best.values()) else _NOT_MET
@@ -185,7 +232,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_error(error, as_json="--json" in given)
         return _BAD_INPUT
     except KeyboardInterrupt:
-        print("viewgauge: interrupted; nothing was left half-written", file=sys.stderr)
+        what = "nothing was left half-written, and a long job goes on when started again"
+        print(f"viewgauge: interrupted; {what}", file=sys.stderr)
         return _INTERRUPTED
     except BrokenPipeError:  # such as "| head": no more can be told, and Python would try again as it ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

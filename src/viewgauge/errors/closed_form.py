@@ -21,6 +21,7 @@ All functions take scalars, are compiled by numba, and know nothing of images: a
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from typing import TypeVar
@@ -144,19 +145,16 @@ def _total(x: float, sigma: float, a: float, b: float, order: int) -> float:
     return max(value, 0.0) * wide**order
 
 
-@numba.vectorize(["float64(float64, float64, float64, float64)"], cache=True)
 def _cdf(x, sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
     if x > 0.0:
         return 1.0 - _total(-x, sigma, a, b, 0)
     return _total(x, sigma, a, b, 0)
 
 
-@numba.vectorize(["float64(float64, float64, float64, float64)"], cache=True)
 def _pdf(x, sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
     return _total(-abs(x), sigma, a, b, -1)
 
 
-@numba.vectorize(["float64(float64, float64, float64, float64)"], cache=True)
 def _central(x, sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
     if x < 0.0:
         return 0.0
@@ -165,15 +163,22 @@ def _central(x, sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorato
     return max(1.0 - 2.0 * _total(-x, sigma, a, b, 0), 0.0)  # at x = 0 rounding can leave -2e-16
 
 
-@numba.vectorize(["float64(float64, float64, float64)"], cache=True)
 def _mean_absolute(sigma, a, b):  # type: ignore[no-untyped-def] # numba's decorator needs a bare function
     return 2.0 * _total(0.0, sigma, a, b, 1)
+
+
+@functools.cache
+def _ufunc(law: Callable[..., object]) -> Callable[..., object]:
+    """Made when it is first used: even from the cache that takes a sixth of a second each."""
+    signature = f"float64({', '.join(['float64'] * law.__code__.co_argcount)})"
+    made: Callable[..., object] = numba.vectorize([signature], cache=True)(law)
+    return made
 
 
 def _silently(law: Callable[..., object], *arguments: object) -> NDArray[np.float64]:
     """The ufunc's value; LLVM evaluates branches that are not taken, whose flags mean nothing."""
     with np.errstate(all="ignore"):
-        return np.asarray(law(*arguments), dtype=float)
+        return np.asarray(_ufunc(law)(*arguments), dtype=float)
 
 
 def total_cdf(x: object, sigma: object, a: object, b: object) -> NDArray[np.float64]:

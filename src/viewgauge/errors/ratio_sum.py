@@ -24,7 +24,7 @@ OK, DENOMINATOR, SERIES = range(3)
 
 # Compiled code of these files is part of this one's, but numba's cache watches this file alone: a change there must
 # change this line (sha256 of closed_form.py and ratio_series.py; a test compares).
-_INLINED = "fbd7ab38d84102ce"
+_INLINED = "cc5959440b868e16"
 
 _WIDE = 8.0  # a half-width of Q in standard deviations of the displacement above which Q is integrated exactly
 _NEGLIGIBLE = 1e-100

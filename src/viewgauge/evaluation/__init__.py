@@ -1,15 +1,22 @@
 """How well sensor settings measure dimensions."""
 
+from .best_rows import BestRows
+from .evaluator import Accepted, Evaluator, TableBlock
 from .requirement import Requirement
 from .segment import SegmentImage, image_segment, success_probability
-from .table import COLUMNS, evaluate_settings
+from .table import COLUMNS, as_dataset, evaluate_settings
 from .validity import WARNINGS, probability_error, validity
 
 __all__ = [
     "COLUMNS",
     "WARNINGS",
+    "Accepted",
+    "BestRows",
+    "Evaluator",
     "Requirement",
     "SegmentImage",
+    "TableBlock",
+    "as_dataset",
     "evaluate_settings",
     "image_segment",
     "probability_error",

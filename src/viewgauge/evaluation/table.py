@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ..geometry import Camera, PoseError
 from ..part import Dimension, Mesh
 from ..visibility import REASONS, ObservationLimits
-from .evaluator import Evaluator, TableBlock
+from .evaluator import Evaluator
 from .requirement import Requirement
 from .segment import FirstOrderMethod
 from .validity import WARNINGS
 
-__all__ = ["COLUMNS", "evaluate_settings"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["COLUMNS", "as_dataset", "evaluate_settings"]
 
 COLUMNS = (
     "visible",
@@ -70,30 +73,32 @@ def evaluate_settings(
     allowed error.
     """
     evaluator = Evaluator(dimensions, mesh, camera, error, requirement, limits, method)
-    return as_dataset(evaluator.table(T_part_camera, progress), setting_ids, dimensions, evaluator, requirement, method)
+    values = evaluator.table(T_part_camera, progress)
+    columns = {name: getattr(values, name) for name in (*COLUMNS, "gauge", "validity") if name != "accepted"}
+    columns["accepted"] = values.visible & (values.probability >= requirement.probability)
+    attrs: dict[str, str | float] = {"method": method, "required_probability": requirement.probability}
+    return as_dataset(columns, setting_ids, dimensions, evaluator.allowed_error_mm, attrs)
 
 
 def as_dataset(
-    values: TableBlock,
+    columns: Mapping[str, NDArray[np.generic]],
     setting_ids: Sequence[str],
     dimensions: Sequence[Dimension],
-    evaluator: Evaluator,
-    requirement: Requirement,
-    method: FirstOrderMethod,
+    allowed_error_mm: NDArray[np.float64],
+    attrs: Mapping[str, str | float],
 ) -> xr.Dataset:
-    """The table as :func:`evaluate_settings` gives it."""
-    data = {name: getattr(values, name) for name in (*COLUMNS[2:9], "gauge")}
-    data["visible"] = values.visible
-    data["reason"] = np.array(REASONS, dtype=object)[values.reason]
-    data["validity"] = np.array(["", *WARNINGS], dtype=object)[values.validity]
-    data["accepted"] = data["visible"] & (values.probability >= requirement.probability)
+    """A dataset over (setting, dimension) of columns ``(n, d)``; reasons and warnings are given by their index."""
+    import xarray as xr  # slow to import
+
+    names = {"reason": REASONS, "validity": ("", *WARNINGS)}
+    texts = {k: np.array(v, dtype=object)[columns[k].astype(int)] for k, v in names.items() if k in columns}
     return xr.Dataset(
-        {name: (("setting", "dimension"), data[name]) for name in (*COLUMNS, "gauge", "validity")},
+        {name: (("setting", "dimension"), values) for name, values in ({**columns, **texts}).items()},
         coords={
             "setting": ("setting", list(setting_ids)),
             "dimension": ("dimension", [dimension.id for dimension in dimensions]),
             "nominal_mm": ("dimension", [dimension.nominal_mm for dimension in dimensions]),
-            "allowed_error_mm": ("dimension", evaluator.allowed_error_mm),
+            "allowed_error_mm": ("dimension", allowed_error_mm),
         },
-        attrs={"method": method, "required_probability": requirement.probability},
+        attrs=dict(attrs),
     )

@@ -1,20 +1,23 @@
 """Which settings to use: candidates around the part, and the fewest of them that measure everything."""
 
-from .candidates import default_distance_range, sample_settings, spread_directions
+from .candidates import CandidateGrid, default_distance_range, sample_settings, spread_directions
 from .cover import Cover, minimum_cover, surest_minimum_cover
 from .dominance import Undominated, probability_levels
 from .options import CandidateOptions
-from .plan import choose_settings, not_measurable, without_allowed_error
+from .plan import assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
 from .result import Plan, PlannedDimension, PlannedSetting
 
 __all__ = [
+    "CandidateGrid",
     "CandidateOptions",
     "Cover",
     "Plan",
     "PlannedDimension",
     "PlannedSetting",
     "Undominated",
+    "assigned_setting",
     "choose_settings",
+    "compose_plan",
     "default_distance_range",
     "minimum_cover",
     "not_measurable",

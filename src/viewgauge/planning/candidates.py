@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.cluster.vq import kmeans2
 
 from ..exceptions import NoCandidateError
 from ..geometry import Camera, look_at
 from ..part import Mesh
 from .options import CandidateOptions
 
-__all__ = ["default_distance_range", "sample_settings", "spread_directions"]
+__all__ = ["CandidateGrid", "default_distance_range", "sample_settings", "spread_directions"]
 
 _GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 
@@ -54,49 +56,77 @@ def default_distance_range(gauge_points: NDArray[np.float64], camera: Camera) ->
     return near, far
 
 
-def sample_settings(
-    gauge_points: NDArray[np.float64],
-    mesh: Mesh,
-    camera: Camera,
-    options: CandidateOptions,
-    seed: int,
-) -> NDArray[np.float64]:
-    """Candidate camera poses around the part.
+class CandidateGrid:
+    """Candidate camera poses around the part, made when they are asked for: their number costs no memory.
 
-    Every combination of a direction, a distance, a roll and a point aimed at: the centre of the gauges and the
-    centres of clusters of gauges. Poses whose camera would be inside the part's bounding box are left out.
+    Every combination of a point aimed at (the centre of the gauges and the centres of clusters of gauges), a
+    distance, a direction and a roll. Poses whose camera would be inside the part's bounding box are left out.
 
     Parameters
     ----------
     gauge_points
         ``(g, 2, 3)`` mm: ends of the gauges, part frame.
 
-    Returns
-    -------
-    ``T_part_camera`` ``(n, 4, 4)`` mm.
-
     Raises
     ------
     NoCandidateError
         If none is left.
     """
-    targets = _targets(gauge_points, options.targets, seed)
-    near, far = options.distance_mm or default_distance_range(gauge_points.reshape(-1, 3), camera)
-    distances = np.geomspace(near, far, options.distances) if options.distances > 1 else np.array([np.sqrt(near * far)])
-    directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
-    rolls = np.arange(options.rolls) * np.pi / options.rolls
-    target, distance, direction, roll = (
-        index.ravel() for index in np.indices((len(targets), len(distances), len(directions), len(rolls)))
-    )
-    eyes = targets[target] + distances[distance][:, None] * directions[direction]
-    low, high = mesh.bounds
-    outside = ((eyes < low) | (eyes > high)).any(axis=1)
-    if not outside.any():
-        raise NoCandidateError(
-            f"no candidate setting is left: at distances of {near:.4g} to {far:.4g} mm every camera would be inside "
-            "the part's bounding box; allow larger distances"
-        )
-    return look_at(eyes[outside], targets[target][outside], rolls[roll][outside])
+
+    def __init__(
+        self, gauge_points: NDArray[np.float64], mesh: Mesh, camera: Camera, options: CandidateOptions, seed: int
+    ) -> None:
+        near, far = options.distance_mm or default_distance_range(gauge_points.reshape(-1, 3), camera)
+        self._targets = _targets(gauge_points, options.targets, seed)
+        self._distances = np.geomspace(near, far, options.distances)
+        if options.distances == 1:
+            self._distances = np.array([np.sqrt(near * far)])
+        self._directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
+        self._rolls = np.arange(options.rolls) * np.pi / options.rolls
+        self._shape = tuple(len(a) for a in (self._targets, self._distances, self._directions))
+        self._inside = self._inside_box(*mesh.bounds)
+        if not len(self):
+            raise NoCandidateError(
+                f"no candidate setting is left: at distances of {near:.4g} to {far:.4g} mm every camera would be "
+                "inside the part's bounding box; allow larger distances"
+            )
+
+    def __len__(self) -> int:
+        """Number of candidates."""
+        return (math.prod(self._shape) - len(self._inside)) * len(self._rolls)
+
+    def poses(self, first: int, stop: int) -> NDArray[np.float64]:
+        """``T_part_camera`` ``(m, 4, 4)`` mm of candidates ``first`` to ``stop - 1``."""
+        place, roll = np.divmod(np.arange(first, min(stop, len(self))), len(self._rolls))
+        # the place-th of those that are not inside: each one inside before it moves it on by one
+        place += np.searchsorted(self._inside - np.arange(len(self._inside)), place, side="right")
+        aim, eyes = self._aim_and_eyes(place)
+        return look_at(eyes, aim, self._rolls[roll])
+
+    def _aim_and_eyes(self, place: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        target, distance, direction = np.unravel_index(place, self._shape)
+        aim = self._targets[target]
+        return aim, aim + self._distances[distance][:, None] * self._directions[direction]
+
+    def _inside_box(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Combinations of target, distance and direction whose camera is inside a box, ascending."""
+        inside = [np.zeros(0, np.int64)]
+        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+        directions = len(self._directions)
+        for k, (target, distance) in enumerate(itertools.product(self._targets, self._distances)):
+            if distance > np.linalg.norm(corners - target, axis=1).max():
+                continue  # farther than any corner
+            _, eyes = self._aim_and_eyes(np.arange(k * directions, (k + 1) * directions))
+            inside.append(k * directions + np.flatnonzero(((eyes >= low) & (eyes <= high)).all(axis=1)))
+        return np.concatenate(inside)
+
+
+def sample_settings(
+    gauge_points: NDArray[np.float64], mesh: Mesh, camera: Camera, options: CandidateOptions, seed: int
+) -> NDArray[np.float64]:
+    """All poses ``T_part_camera`` ``(n, 4, 4)`` mm of a :class:`CandidateGrid`; parameters as there."""
+    grid = CandidateGrid(gauge_points, mesh, camera, options, seed)
+    return grid.poses(0, len(grid))
 
 
 def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:
@@ -107,5 +137,7 @@ def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDA
     k = min(clusters, len(midpoints))
     if k == 0:
         return middle[None]
+    from scipy.cluster.vq import kmeans2  # slow to import
+
     centres, label = kmeans2(midpoints, k, minit="++", missing="warn", rng=np.random.default_rng(seed))
     return np.vstack([middle, centres[np.unique(label)]])

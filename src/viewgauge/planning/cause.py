@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
+from ..evaluation import BestRows
 from ..visibility import REASONS
 
 __all__ = ["limiting_cause"]
@@ -19,24 +19,18 @@ _WORDS = {
 }
 
 
-def limiting_cause(column: xr.Dataset) -> str:
-    """One sentence on a dimension's column of the table: why it is not seen, or which error limits it.
-
-    Parameters
-    ----------
-    column
-        The table of :func:`~viewgauge.evaluation.evaluate_settings` at one dimension.
-    """
-    if not column["visible"].any():
-        reasons = column["reason"].values
-        counts = {name: int((reasons == name).sum()) for name in REASONS[:-1]}
+def limiting_cause(best: BestRows, j: int) -> str:
+    """One sentence on dimension j: why it is not seen, or which error limits it at its surest setting."""
+    if not best.values.visible[j]:
+        counts = dict(zip(REASONS[:-1], best.counts[j].tolist(), strict=False))
         ordered = sorted((name for name in counts if counts[name]), key=lambda name: -counts[name])
-        shares = ", ".join(f"{_WORDS[name]} ({counts[name] / len(reasons):.0%})" for name in ordered[:3])
-        return f"not visible from any of {len(reasons)} candidates: {shares}"
-    seen = np.where(column["visible"].values, column["probability"].values, -1.0)
-    best = column.isel(setting=int(np.argmax(seen)))
-    pose, pixels = float(best["sigma_displacement_px"]) ** 2, float(best["sigma_quantization_px"]) ** 2
+        total = int(best.counts[j].sum())
+        shares = ", ".join(f"{_WORDS[name]} ({counts[name] / total:.0%})" for name in ordered[:3])
+        return f"not visible from any of {total} candidates: {shares}"
+    pose, pixels = (
+        float(sigma[j]) ** 2 for sigma in (best.values.sigma_displacement_px, best.values.sigma_quantization_px)
+    )
     share = pose / (pose + pixels) if pose + pixels > 0 else 0.0
     source = f"pose error ({share:.0%} of the variance)" if share > 0.5 else f"pixels ({1 - share:.0%} of the variance)"
-    length = float(best["image_length_px"])
+    length = float(best.values.image_length_px[j])
     return f"visible, but limited by {source}: standard deviation {np.sqrt(pose + pixels):.3g} px of {length:.4g} px"

@@ -20,9 +20,6 @@ from typing import Any
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, LinearConstraint, linprog, milp
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from .dominance import maximal_rows
 
@@ -187,6 +184,9 @@ def _reduced(holds: NDArray[np.bool_]) -> tuple[list[int], NDArray[np.int64], ND
 
 def _components(holds: NDArray[np.bool_]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """Rows and columns of each part that no row joins to another."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
     if holds.shape[1] == 0:
         return []
     count, label = connected_components(csr_array(holds.T.astype(np.float32) @ holds), directed=False)
@@ -226,6 +226,9 @@ def _greedy(holds: NDArray[np.bool_], worth: NDArray[np.int64]) -> list[int]:
 
 def _best_prices(holds: NDArray[np.bool_], otherwise: NDArray[np.int64]) -> NDArray[np.int64]:
     """Whole prices of the columns that bound best: of the dual of the linear relaxation."""
+    from scipy.optimize import linprog  # slow to import
+    from scipy.sparse import csr_array
+
     rows, columns = holds.shape
     result = linprog(np.ones(rows), A_ub=csr_array(-holds.T.astype(float)), b_ub=-np.ones(columns), method="highs-ds")
     if result.x is None or not result.ineqlin.marginals.min() < 0:
@@ -273,6 +276,9 @@ def _closed(holds: NDArray[np.bool_], most: int, deadline: float) -> tuple[list[
 
 def _solved(holds: NDArray[np.bool_], most: int, deadline: float) -> tuple[list[int] | None, float]:
     """By HiGHS."""
+    from scipy.optimize import Bounds, LinearConstraint, milp  # slow to import
+    from scipy.sparse import csr_array
+
     ones = np.ones(len(holds))
     result = milp(
         ones,

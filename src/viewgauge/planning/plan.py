@@ -1,21 +1,21 @@
-"""From the table setting x dimension to the plan."""
+"""From what the candidates measure to the plan."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ..evaluation import Requirement
+from ..evaluation import WARNINGS, BestRows, Requirement, TableBlock
 from ..part import Dimension, Unusable
 from .cause import limiting_cause
-from .cover import DEFAULT_TIME_LIMIT_S, surest_minimum_cover
-from .dominance import probability_levels
+from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
+from .dominance import Undominated
 from .result import Plan, PlannedDimension, PlannedSetting
 
-__all__ = ["choose_settings", "not_measurable", "without_allowed_error"]
+__all__ = ["assigned_setting", "choose_settings", "compose_plan", "not_measurable", "without_allowed_error"]
 
 
 def without_allowed_error(
@@ -32,68 +32,99 @@ def without_allowed_error(
     return tuple(judged), tuple(refused)
 
 
-def choose_settings(
-    table: xr.Dataset,
-    T_part_camera: NDArray[np.float64],
-    dimensions: Sequence[Dimension],
-    unusable: Sequence[Unusable],
-    requirement: Requirement,
-    seed: int,
-    setting_ids: Sequence[str] | None = None,
-    time_limit_s: float = DEFAULT_TIME_LIMIT_S,
-) -> Plan:
-    """The fewest candidate settings that measure every dimension that some candidate measures as required.
+def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
+    """The fewest settings that measure every dimension that some kept candidate measures; of those the surest.
+
+    Returns
+    -------
+    The cover, of the settings' indices.
+    """
+    reachable = kept.level.any(axis=0)
+    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s)
+    return Cover(tuple(int(k) for k in kept.index[list(cover.chosen)]), cover.lower_bound)
+
+
+def assigned_setting(table: TableBlock, required: float) -> NDArray[np.int64]:
+    """For each dimension the surest (then most accurate, then first) of K settings, -1 where none is sure enough.
 
     Parameters
     ----------
     table
-        Of the n candidates and the dimensions, from :func:`~viewgauge.evaluation.evaluate_settings`.
-    T_part_camera
-        ``(n, 4, 4)`` mm.
+        ``(K, d)``: of the chosen settings.
+    """
+    best = BestRows.of(table, np.arange(len(table.reason)))
+    met = best.values.visible & (best.values.probability >= required) & (best.setting >= 0)
+    return np.where(met, best.setting, -1)
+
+
+def compose_plan(
+    table: TableBlock,
+    T_part_camera: NDArray[np.float64],
+    names: Sequence[str],
+    best: Mapping[int, tuple[BestRows, int]],
+    dimensions: Sequence[Dimension],
+    unusable: Sequence[Unusable],
+    requirement: Requirement,
+    *,
+    lower_bound: int,
+    candidate_count: int,
+    seed: int,
+) -> Plan:
+    """The plan of K chosen settings.
+
+    Parameters
+    ----------
+    table
+        ``(K, d)``: of the chosen settings and all dimensions.
+    T_part_camera, names
+        ``(K, 4, 4)`` mm, and K names.
+    best
+        For each dimension that is not met the best rows of all candidates, and its place in them.
     unusable
         What cannot be measured, for the record.
-    setting_ids
-        Names of the n candidates; the chosen ones are called S1, S2, … where not given.
     """
-    probability = np.where(table["visible"].values, table["probability"].values, 0.0)
-    reachable = np.asarray((probability >= requirement.probability).any(axis=0))
-    cover = surest_minimum_cover(probability_levels(probability[:, reachable], requirement.probability), time_limit_s)
-    names = {k: setting_ids[k] if setting_ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)}
+    setting = assigned_setting(table, requirement.probability)
+    observes: list[list[str]] = [[] for _ in names]
     planned = []
-    observes: dict[int, list[str]] = {k: [] for k in cover.chosen}
-    visible, accuracy = table["visible"].values, table["expected_accuracy"].values
     for j, dimension in enumerate(dimensions):
-        pool = list(cover.chosen) if reachable[j] else range(len(probability))
-        k = max(pool, key=lambda k: (visible[k, j], probability[k, j], accuracy[k, j]), default=None)
-        if k is not None and reachable[j]:
-            observes[k].append(dimension.id)
-        planned.append(_planned(table, k, j, dimension, names.get(k) if k is not None and reachable[j] else None))
-    planned += not_measurable(unusable)
+        if setting[j] >= 0:
+            observes[setting[j]].append(dimension.id)
+            chosen = TableBlock(*(getattr(table, f.name)[setting[j]] for f in fields(table)))
+            planned.append(_planned(chosen, j, dimension, requirement, names[setting[j]], ""))
+        else:
+            rows, place = best[j]
+            planned.append(_planned(rows.values, place, dimension, requirement, None, limiting_cause(rows, place)))
     return Plan(
         seed=seed,
-        settings=tuple(PlannedSetting(names[k], T_part_camera[k], tuple(observes[k])) for k in cover.chosen),
-        dimensions=tuple(planned),
-        lower_bound=cover.lower_bound,
-        candidate_count=len(T_part_camera),
+        settings=tuple(
+            PlannedSetting(name, T, tuple(seen)) for name, T, seen in zip(names, T_part_camera, observes, strict=True)
+        ),
+        dimensions=(*planned, *not_measurable(unusable)),
+        lower_bound=lower_bound,
+        candidate_count=candidate_count,
     )
 
 
-def _planned(table: xr.Dataset, k: int | None, j: int, dimension: Dimension, setting: str | None) -> PlannedDimension:
-    seen = k is not None and bool(table["visible"].values[k, j])
-    gauge = dimension.gauges[int(table["gauge"].values[k, j])] if seen else None
+def _planned(
+    row: TableBlock, j: int, dimension: Dimension, requirement: Requirement, setting: str | None, limit: str
+) -> PlannedDimension:
+    """The entry of a dimension from entry j of a row of the table."""
+    seen = bool(row.visible[j])
+    gauge = dimension.gauges[int(row.gauge[j])] if seen else None
+    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
     return PlannedDimension(
         id=dimension.id,
         kind=dimension.kind,
         nominal_mm=dimension.nominal_mm,
         tolerance_mm=dimension.tolerance_mm,
-        allowed_error_mm=float(table["allowed_error_mm"].values[j]),
+        allowed_error_mm=float("nan") if allowed is None else allowed,
         status="unmet" if setting is None else "met",
-        probability=float(table["probability"].values[k, j]) if seen else 0.0,
-        expected_accuracy=float(table["expected_accuracy"].values[k, j]) if seen else 0.0,
+        probability=float(row.probability[j]) if seen else 0.0,
+        expected_accuracy=float(row.expected_accuracy[j]) if seen else 0.0,
         setting=setting,
         gauge=np.stack([gauge.start, gauge.end]) if gauge else None,
-        limit="" if setting else limiting_cause(table.isel(dimension=j)),
-        warning=str(table["validity"].values[k, j]) if seen and "validity" in table else "",
+        limit=limit,
+        warning=("", *WARNINGS)[int(row.validity[j])] if seen else "",
     )
 
 

@@ -8,9 +8,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..io.tables import require_table_suffix
+    from ..io.table_store import require_table_suffix
     from .check import check
-    from .evaluate import Method, best_of_each, evaluate, success_probability
+    from .evaluate import Evaluation, Method, evaluate, evaluate_into, success_probability
+    from .execution import open_executor
     from .inspection import ExplicitSettings, Inspection
     from .load import load
     from .plan import plan
@@ -19,26 +20,29 @@ if TYPE_CHECKING:
 
 _HOME = {
     "check": ".check",
-    **dict.fromkeys(("Method", "best_of_each", "evaluate", "success_probability"), ".evaluate"),
+    **dict.fromkeys(("Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"), ".evaluate"),
     **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
     "load": ".load",
+    "open_executor": ".execution",
     "plan": ".plan",
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
     **dict.fromkeys(("describe_plan", "output_folder", "write_evaluation", "write_plan"), ".write"),
-    "require_table_suffix": "..io.tables",
+    "require_table_suffix": "..io.table_store",
 }
 
 __all__ = [
+    "Evaluation",
     "ExplicitSettings",
     "Inspection",
     "Method",
     "Progress",
     "Silent",
-    "best_of_each",
     "check",
     "describe_plan",
     "evaluate",
+    "evaluate_into",
     "load",
+    "open_executor",
     "output_folder",
     "plan",
     "require_table_suffix",

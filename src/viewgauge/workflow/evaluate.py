@@ -1,43 +1,67 @@
-"""Evaluate given settings: the table setting x dimension."""
+"""Evaluate given settings: the table setting x dimension, in memory or chunk by chunk into a file."""
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib.metadata import version
 from os import PathLike
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ..evaluation import evaluate_settings
+from ..evaluation import COLUMNS, WARNINGS, BestRows, as_dataset
 from ..evaluation import success_probability as first_order_probability
-from ..exceptions import InputError
-from ..geometry import Camera, PoseError, invert, require_poses, transform
+from ..exceptions import InputError, NoCandidateError
+from ..geometry import Camera, PoseError, require_poses
 from ..io.settings import read_settings
 from ..part import Dimension
-from ..planning import without_allowed_error
-from ..simulation import ExactEstimates, estimate_success_probabilities, require_precision
+from ..part.gauge_table import GaugeTable
+from ..planning import CandidateGrid, without_allowed_error
+from ..visibility import REASONS
+from .chunks import (
+    CONFIDENCE,
+    DEFAULT_PRECISION,
+    SETTINGS_PER_CHUNK,
+    EvaluationJob,
+    SettingSource,
+    TableJob,
+    chunks_of,
+    evaluator_of,
+    table_chunk,
+)
+from .execution import Executor, InProcess
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
-__all__ = ["DEFAULT_PRECISION", "Method", "best_of_each", "evaluate", "simulate_pairs", "success_probability"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..io.table_store import TableLayout, TableStore
+
+__all__ = ["Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"]
 
 Method = Literal["joint", "independent", "monte-carlo"]
+_Settings = ExplicitSettings | str | PathLike[str] | ArrayLike | None
 
-DEFAULT_PRECISION = 1e-3
-CONFIDENCE = 0.99  # of the intervals of "monte-carlo"
-_PAIRS_PER_CHUNK = 500  # between two signs of progress
+_SIMULATED_PER_CHUNK = 32  # settings between two signs of progress
+_OPTIONAL = ("validity", "probability_low", "probability_high")  # in files after the standard columns
+_NAMES = {"reason": REASONS, "validity": ("", *WARNINGS)}
+_FLAGS = ("visible", "accepted")
 
 
 def evaluate(
     inspection: Inspection,
-    settings: ExplicitSettings | str | PathLike[str] | ArrayLike | None = None,
+    settings: _Settings = None,
     *,
     method: Method = "joint",
     precision: float = DEFAULT_PRECISION,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """The table setting x dimension.
+    """The table setting x dimension, in memory; :func:`evaluate_into` writes one of any length.
 
     Parameters
     ----------
@@ -59,31 +83,244 @@ def evaluate(
     """
     progress = progress or Silent()
     chosen = _settings(inspection, settings)
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    dimensions, job = _job(inspection, chosen, method, precision, None)
+    pieces: list[Mapping[str, NDArray[np.generic]]] = []
+    with progress.stage(_stage(len(chosen), method, precision), len(chosen)) as advance:
+        for chunk in chunks_of(chosen, _chunk_size(method, SETTINGS_PER_CHUNK)) or [(0, 0)]:
+            pieces.append(table_chunk(job, chunk)[1])
+            advance(chunk[1] - chunk[0])
+    columns = {name: np.concatenate([piece[name] for piece in pieces]) for name in job.columns}
+    evaluator = evaluator_of(job.evaluation)
+    attrs = _attributes(inspection, method, precision)
+    return as_dataset(columns, chosen.ids, dimensions, evaluator.allowed_error_mm, attrs)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What is left of a table that was written elsewhere, or nowhere.
+
+    Parameters
+    ----------
+    settings
+        Number of settings.
+    dimensions
+        Ids.
+    best
+        The surest setting of each dimension, by index.
+    required_probability
+        From which on a pair is accepted.
+    """
+
+    settings: int
+    setting_ids: Sequence[str]
+    dimensions: tuple[str, ...]
+    best: BestRows
+    required_probability: float
+
+    def best_of_each(self) -> dict[str, dict[str, object]]:
+        """For each dimension its surest setting, as plain data: setting, visible, reason, probability, accepted."""
+        rows: dict[str, dict[str, object]] = {}
+        for j, name in enumerate(self.dimensions):
+            values, visible = self.best.values, bool(self.best.values.visible[j])
+            probability = float(values.probability[j])
+            rows[name] = {
+                "setting": str(self.setting_ids[int(self.best.setting[j])]),
+                "visible": visible,
+                "reason": REASONS[int(values.reason[j])],
+                "probability": probability,
+                "expected_accuracy": float(values.expected_accuracy[j]),
+                "accepted": visible and probability >= self.required_probability,
+                "validity": _NAMES["validity"][int(values.validity[j])],
+            }
+        return rows
+
+
+def evaluate_into(
+    inspection: Inspection,
+    path: str | PathLike[str] | None,
+    settings: _Settings = None,
+    *,
+    sampled: bool = False,
+    columns: Sequence[str] | None = None,
+    method: Method = "joint",
+    precision: float = DEFAULT_PRECISION,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+    settings_per_chunk: int = SETTINGS_PER_CHUNK,
+) -> Evaluation:
+    """Write the table setting x dimension chunk by chunk: memory holds a few chunks, however long it is.
+
+    Parameters
+    ----------
+    path
+        A file in CSV or Parquet or a Zarr folder, by suffix; None to write nothing. A Zarr table that was interrupted
+        goes on where it was when the same is asked for again, and has the same bytes in the end.
+    settings, method, precision
+        As for :func:`evaluate`.
+    sampled
+        Evaluate the candidates that a plan would sample, in place of given settings.
+    columns
+        Columns to write; by default all.
+    executor
+        Where chunks run (:func:`~viewgauge.workflow.open_executor`); by default in this process. Zarr is written by
+        the processes of the executor, which must all see the path.
+    settings_per_chunk
+        Bounds the memory of a process; of Zarr also the chunks.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, or the place cannot be written.
+    """
+    progress, executor = progress or Silent(), executor or InProcess()
+    if settings_per_chunk < 1:
+        raise InputError(
+            "a chunk has no setting", key="chunk", got=settings_per_chunk, expected="a whole number from 1 on"
+        )
+    source: SettingSource
+    if sampled:
+        if settings is not None:
+            raise InputError("sampled candidates and given settings exclude each other", key="settings")
+        source, ids = _sampled(inspection)
+    else:
+        source = chosen = _settings(inspection, settings)
+        ids = chosen.ids
+    names = _wanted(columns, method) if path is not None else ()
+    threads = None if isinstance(executor, InProcess) else 1
+    dimensions, job = _job(inspection, source, method, precision, threads, names)
+    size = settings_per_chunk if path is not None else _chunk_size(method, settings_per_chunk)
+    best: BestRows | None = None
+    with (
+        _store(path, inspection, ids, dimensions, job, size, method, precision) as store,
+        progress.stage(_stage(len(source), method, precision), len(source)) as advance,
+    ):
+        chunks = chunks_of(source, size)
+        done: Mapping[int, Mapping[str, Any]] = {} if store is None else store.done
+        for k, summary in done.items():
+            best = _merged(best, BestRows.from_arrays({n: np.array(v) for n, v in summary["best"].items()}))
+            advance(chunks[k][1] - chunks[k][0])
+        left = [k for k in range(len(chunks)) if k not in done]
+        job = _with_writer(job, store)
+        for at, (found, values) in executor.run(table_chunk, job, [chunks[k] for k in left]):
+            if store is not None and job.writer is None:
+                store.write(chunks[left[at]][0], values)
+            best = _merged(best, found)
+            advance(chunks[left[at]][1] - chunks[left[at]][0])
+    if best is None:
+        best = table_chunk(job, (0, 0))[0]
+    named = tuple(dimension.id for dimension in dimensions)
+    return Evaluation(len(source), ids, named, best, inspection.requirement.probability)
+
+
+def _merged(ours: BestRows | None, theirs: BestRows) -> BestRows:
+    return theirs if ours is None else ours.merged(theirs)
+
+
+def _job(
+    inspection: Inspection,
+    source: SettingSource,
+    method: Method,
+    precision: float,
+    threads: int | None,
+    columns: tuple[str, ...] | None = None,
+) -> tuple[tuple[Dimension, ...], TableJob]:
+    from ..simulation.quasi_monte_carlo import require_precision
+
     if method not in ("joint", "independent", "monte-carlo"):
         raise InputError("unknown method", key="method", got=method, expected="joint, independent or monte-carlo")
+    exact = method == "monte-carlo"
     require_precision(precision)
-    with progress.stage(f"Evaluating {len(chosen.ids)} settings", len(chosen.ids)) as advance:
-        table = evaluate_settings(
-            chosen.T_part_camera,
-            chosen.ids,
-            dimensions,
-            inspection.part.mesh,
-            inspection.camera,
-            inspection.head,
-            inspection.requirement,
-            inspection.limits,
-            "joint" if method == "monte-carlo" else method,
-            advance,
-        )
-    if method == "monte-carlo":
-        table = _simulated(table, chosen.T_part_camera, dimensions, inspection, precision, progress)
-    return table
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    first_order = "joint" if method == "monte-carlo" else method
+    evaluation = EvaluationJob.of(inspection, dimensions, source, first_order, threads)
+    columns = _wanted(None, method) if columns is None else columns
+    return dimensions, TableJob(evaluation, columns, precision if exact else None, inspection.seed)
 
 
-def _settings(
-    inspection: Inspection, settings: ExplicitSettings | str | PathLike[str] | ArrayLike | None
-) -> ExplicitSettings:
+def _wanted(columns: Sequence[str] | None, method: Method) -> tuple[str, ...]:
+    """The columns to write, in their order."""
+    known = (*COLUMNS, *(_OPTIONAL if method == "monte-carlo" else _OPTIONAL[:1]), "gauge")
+    if columns is None:
+        return known
+    unknown = [name for name in columns if name not in known]
+    if unknown or not columns:
+        raise InputError("no such column", key="columns", got=", ".join(unknown), expected=", ".join(known))
+    return tuple(name for name in known if name in columns)
+
+
+def _chunk_size(method: Method, given: int) -> int:
+    return min(given, _SIMULATED_PER_CHUNK) if method == "monte-carlo" else given
+
+
+def _stage(settings: int, method: Method, precision: float) -> str:
+    how = f" with the exact camera to {precision:g}" if method == "monte-carlo" else ""
+    return f"Evaluating {settings} settings{how}"
+
+
+def _attributes(inspection: Inspection, method: Method, precision: float) -> dict[str, str | float]:
+    attrs: dict[str, str | float] = {"method": method, "required_probability": inspection.requirement.probability}
+    return attrs | ({"precision": precision, "confidence": CONFIDENCE} if method == "monte-carlo" else {})
+
+
+@contextmanager
+def _store(
+    path: str | PathLike[str] | None,
+    inspection: Inspection,
+    ids: Sequence[str],
+    dimensions: tuple[Dimension, ...],
+    job: TableJob,
+    size: int,
+    method: Method,
+    precision: float,
+) -> Iterator[TableStore | None]:
+    if path is None:
+        yield None
+        return
+    from ..io.table_store import Column, TableLayout, open_table
+
+    def column(name: str) -> Column:
+        if name in _NAMES:
+            return Column(name, "name", _NAMES[name])
+        if name == "gauge":
+            return Column(name, "whole", in_rows=False)
+        return Column(name, "flag" if name in _FLAGS else "real")
+
+    attrs = _attributes(inspection, method, precision)
+    layout = TableLayout(
+        setting_ids=ids,
+        dimension_ids=[dimension.id for dimension in dimensions],
+        columns=tuple(column(name) for name in job.columns),
+        chunk_settings=size,
+        coordinates={
+            "nominal_mm": np.array([dimension.nominal_mm for dimension in dimensions]),
+            "allowed_error_mm": evaluator_of(job.evaluation).allowed_error_mm,
+        },
+        attrs=attrs,
+    )
+    with open_table(path, layout, _fingerprint(inspection, job, layout)) as store:
+        yield store
+
+
+def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
+    writer = getattr(store, "writer", None)
+    return job if writer is None else replace(job, writer=writer())
+
+
+def _fingerprint(inspection: Inspection, job: TableJob, layout: TableLayout) -> str:
+    """All that the content of a table depends on."""
+    i, source = inspection, job.evaluation.source
+    said = [version("viewgauge"), layout.chunk_settings, layout.columns, layout.dimension_ids, layout.attrs, i.seed]
+    said += [sorted(i.inputs.items()), i.camera, i.requirement, i.candidates, i.limits, len(source)]
+    digest = hashlib.sha256(repr(said).encode())
+    for array in (i.head.covariance, np.asarray(i.head.T_camera_head)):
+        digest.update(array.tobytes())
+    if isinstance(source, ExplicitSettings):
+        digest.update(source.T_part_camera.tobytes())
+        digest.update("\n".join(source.ids).encode())
+    return digest.hexdigest()
+
+
+def _settings(inspection: Inspection, settings: _Settings) -> ExplicitSettings:
     if settings is None:
         if inspection.settings is None:
             raise InputError(
@@ -100,56 +337,30 @@ def _settings(
     return ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
 
 
-def simulate_pairs(
-    table: xr.Dataset,
-    pairs: NDArray[np.int64],
-    T_part_camera: NDArray[np.float64],
-    dimensions: tuple[Dimension, ...],
-    inspection: Inspection,
-    precision: float,
-) -> ExactEstimates:
-    """The exact camera's word on visible pairs ``(n, 2)`` of a table: indices of setting and dimension."""
-    setting, dimension = pairs.T
-    gauges = [dimensions[j].gauges[table["gauge"].values[k, j]] for k, j in pairs]
-    ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
-    points = transform(invert(T_part_camera[setting])[:, None], ends)
-    return estimate_success_probabilities(
-        points[:, 0],
-        points[:, 1],
-        inspection.camera,
-        inspection.head,
-        table["relative_tolerance"].values[setting, dimension],
-        precision=precision,
-        confidence=CONFIDENCE,
-        seed=inspection.seed,
-    )
+def _sampled(inspection: Inspection) -> tuple[SettingSource, Sequence[str]]:
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    if not dimensions:
+        raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
+    points = GaugeTable.of(dimensions).points
+    grid = CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+    return grid, _Numbered(len(grid))
 
 
-def _simulated(
-    table: xr.Dataset,
-    T_part_camera: NDArray[np.float64],
-    dimensions: tuple[Dimension, ...],
-    inspection: Inspection,
-    precision: float,
-    progress: Progress,
-) -> xr.Dataset:
-    """The table with probability, its interval, and expected accuracy of visible pairs by the exact camera."""
-    over = ("setting", "dimension")
-    probability, accuracy = (table[name].values.copy() for name in ("probability", "expected_accuracy"))
-    low, high = probability * 0, probability * 0
-    pairs = np.argwhere(table["visible"].values)
-    with progress.stage(f"Simulating {len(pairs)} pairs to {precision:g}", len(pairs)) as advance:
-        for first in range(0, len(pairs), _PAIRS_PER_CHUNK):
-            chunk = pairs[first : first + _PAIRS_PER_CHUNK]
-            estimates = simulate_pairs(table, chunk, T_part_camera, dimensions, inspection, precision)
-            at = tuple(chunk.T)
-            probability[at], accuracy[at] = estimates.probability, estimates.expected_accuracy
-            low[at], high[at] = estimates.low, estimates.high
-            advance(len(chunk))
-    accepted = table["visible"].values & (probability >= inspection.requirement.probability)
-    table = table.assign(probability=(over, probability), expected_accuracy=(over, accuracy), accepted=(over, accepted))
-    table = table.assign(probability_low=(over, low), probability_high=(over, high))
-    return table.assign_attrs(method="monte-carlo", precision=precision, confidence=CONFIDENCE)
+class _Numbered(Sequence[str]):
+    """The names C1, C2, … of any number of settings, made when they are asked for."""
+
+    def __init__(self, count: int) -> None:
+        self._places = range(1, count + 1)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    @overload
+    def __getitem__(self, k: int) -> str: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[str]: ...
+    def __getitem__(self, k: int | slice) -> str | list[str]:
+        return [f"C{place}" for place in self._places[k]] if isinstance(k, slice) else f"C{self._places[k]}"
 
 
 def success_probability(
@@ -178,6 +389,8 @@ def success_probability(
     """
     if method != "monte-carlo":
         return first_order_probability(start, end, camera, error, relative_tolerance, method)
+    from ..simulation import estimate_success_probabilities, require_precision
+
     require_precision(precision)
     tolerance = np.asarray(relative_tolerance, dtype=float)
     start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
@@ -196,22 +409,3 @@ def success_probability(
         seed=seed,
     ).probability
     return result.reshape(shape)
-
-
-def best_of_each(table: xr.Dataset) -> dict[str, dict[str, object]]:
-    """For each dimension its surest setting, as plain data: setting, visible, reason, probability, accepted."""
-    best: dict[str, dict[str, object]] = {}
-    for j, name in enumerate(table["dimension"].values):
-        column = table.isel(dimension=j)
-        seen = np.where(column["visible"].values, column["probability"].values, -1.0)
-        row = column.isel(setting=int(np.argmax(seen)))
-        best[str(name)] = {
-            "setting": str(row["setting"].item()),
-            "visible": bool(row["visible"]),
-            "reason": str(row["reason"].item()),
-            "probability": float(row["probability"]),
-            "expected_accuracy": float(row["expected_accuracy"]),
-            "accepted": bool(row["accepted"]),
-            "validity": str(row["validity"].item()),
-        }
-    return best

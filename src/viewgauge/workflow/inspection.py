@@ -26,6 +26,13 @@ class ExplicitSettings:
     ids: tuple[str, ...]
     T_part_camera: NDArray[np.float64]
 
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def poses(self, first: int, stop: int) -> NDArray[np.float64]:
+        """``T_part_camera`` ``(m, 4, 4)`` mm of settings ``first`` to ``stop - 1``."""
+        return self.T_part_camera[first:stop]
+
 
 @dataclass(frozen=True)
 class Inspection:

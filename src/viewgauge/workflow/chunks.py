@@ -1,0 +1,235 @@
+"""A long job in chunks of settings: what a chunk needs, and what it gives. Each runs in this or in another process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import BestRows, Evaluator, Requirement, TableBlock
+from ..evaluation.segment import FirstOrderMethod
+from ..geometry import Camera, PoseError, invert, transform
+from ..part import Dimension, Mesh
+from ..planning import Undominated, probability_levels
+from ..visibility import ObservationLimits
+from .inspection import Inspection
+
+if TYPE_CHECKING:
+    from ..io.table_zarr import ZarrRegionWriter
+    from ..simulation import ExactEstimates
+
+__all__ = [
+    "CONFIDENCE",
+    "DEFAULT_PRECISION",
+    "SETTINGS_PER_CHUNK",
+    "Chunk",
+    "Corrections",
+    "EvaluationJob",
+    "SettingSource",
+    "TableJob",
+    "accepted_chunk",
+    "best_chunk",
+    "chunks_of",
+    "evaluator_of",
+    "simulate_pairs",
+    "simulated",
+    "table_chunk",
+]
+
+SETTINGS_PER_CHUNK = 16_384
+"""By default: some MB for each dimension, and for the usual part a few tenths of a second."""
+
+DEFAULT_PRECISION = 1e-3
+CONFIDENCE = 0.99  # of the intervals of the exact camera
+_PAIRS_SIMULATED = 500  # at once
+
+Chunk = tuple[int, int]
+"""First setting, and the one after the last."""
+
+
+class SettingSource(Protocol):
+    """Settings by their index, made or kept."""
+
+    def __len__(self) -> int: ...
+
+    def poses(self, first: int, stop: int) -> NDArray[np.float64]:
+        """``T_part_camera`` ``(m, 4, 4)`` mm of settings ``first`` to ``stop - 1``, as far as there are."""
+        ...
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Probabilities of some pairs of setting and dimension, found otherwise, which take the first-order ones' place."""
+
+    setting: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    dimension: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    expected_accuracy: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+    def applied(self, table: TableBlock, index: NDArray[np.int64]) -> TableBlock:
+        """To the table of settings with these ascending indices, in place."""
+        row = np.searchsorted(index, self.setting)
+        here = np.flatnonzero(np.isin(self.setting, index))
+        table.probability[row[here], self.dimension[here]] = self.probability[here]
+        table.expected_accuracy[row[here], self.dimension[here]] = self.expected_accuracy[here]
+        return table
+
+
+@dataclass(frozen=True, eq=False)  # by identity: what is made ready for it is kept for it
+class EvaluationJob:
+    """What all chunks of a job share.
+
+    Parameters
+    ----------
+    threads
+        Of a chunk; None for as many as there are processors.
+    """
+
+    dimensions: tuple[Dimension, ...]
+    mesh: Mesh
+    camera: Camera
+    head: PoseError
+    requirement: Requirement
+    limits: ObservationLimits
+    source: SettingSource
+    method: FirstOrderMethod = "joint"
+    threads: int | None = None
+    corrections: Corrections = field(default_factory=Corrections)
+
+    @classmethod
+    def of(
+        cls,
+        inspection: Inspection,
+        dimensions: Sequence[Dimension],
+        source: SettingSource,
+        method: FirstOrderMethod = "joint",
+        threads: int | None = None,
+    ) -> EvaluationJob:
+        """A job with some dimensions of an inspection."""
+        return cls(
+            tuple(dimensions),
+            inspection.part.mesh,
+            inspection.camera,
+            inspection.head,
+            inspection.requirement,
+            inspection.limits,
+            source,
+            method,
+            threads,
+        )
+
+
+@lru_cache(maxsize=2)
+def evaluator_of(job: EvaluationJob) -> Evaluator:
+    """The job's evaluator, made once in each process."""
+    return Evaluator(
+        job.dimensions, job.mesh, job.camera, job.head, job.requirement, job.limits, job.method, job.threads
+    )
+
+
+def chunks_of(source: SettingSource, size: int) -> list[Chunk]:
+    """The source in chunks of ``size`` settings."""
+    return [(first, min(first + size, len(source))) for first in range(0, len(source), size)]
+
+
+def accepted_chunk(job: EvaluationJob, chunk: Chunk) -> Undominated:
+    """Of a chunk's settings those that a cover may need."""
+    accepted = evaluator_of(job).accepted(job.source.poses(*chunk))
+    level = probability_levels(accepted.probability, job.requirement.probability)
+    some = np.flatnonzero(level.any(axis=1))
+    kept = Undominated(len(job.dimensions))
+    kept.add(chunk[0] + some, level[some], accepted.certain[some])
+    return kept
+
+
+def best_chunk(job: EvaluationJob, chunk: Chunk) -> BestRows:
+    """The best of a chunk's settings for each dimension."""
+    table, index = evaluator_of(job).table(job.source.poses(*chunk)), np.arange(*chunk)
+    return BestRows.of(job.corrections.applied(table, index), index)
+
+
+@dataclass(frozen=True, eq=False)
+class TableJob:
+    """What all chunks of a table share.
+
+    Parameters
+    ----------
+    precision, seed
+        With ``precision`` the exact camera judges each visible pair.
+    columns
+        Names of the columns wanted; none to keep only the best of each dimension.
+    writer
+        What writes a chunk from any process; None to give it back.
+    """
+
+    evaluation: EvaluationJob
+    columns: tuple[str, ...]
+    precision: float | None = None
+    seed: int = 0
+    writer: ZarrRegionWriter | None = None
+
+
+def table_chunk(job: TableJob, chunk: Chunk) -> tuple[BestRows, dict[str, NDArray[np.generic]]]:
+    """The best of a chunk's settings for each dimension, and the columns of its table if nobody else writes them."""
+    evaluation = job.evaluation
+    poses = evaluation.source.poses(*chunk)
+    table = evaluator_of(evaluation).table(poses)
+    extra: dict[str, NDArray[np.generic]] = {}
+    if job.precision is not None:
+        table, low, high = simulated(table, poses, evaluation, job.precision, job.seed)
+        extra = {"probability_low": low, "probability_high": high}
+    best = BestRows.of(table, np.arange(*chunk))
+    accepted = table.visible & (table.probability >= evaluation.requirement.probability)
+    own = {"visible": table.visible, "accepted": accepted, **extra}
+    values = {name: own[name] if name in own else getattr(table, name) for name in job.columns}
+    if job.writer is None:
+        return best, values
+    job.writer.write(chunk[0], values, {"best": {name: array.tolist() for name, array in best.arrays().items()}})
+    return best, {}
+
+
+def simulated(
+    table: TableBlock, poses: NDArray[np.float64], job: EvaluationJob, precision: float, seed: int
+) -> tuple[TableBlock, NDArray[np.float64], NDArray[np.float64]]:
+    """The table with the exact camera's probability and expected accuracy of visible pairs, and the intervals' ends."""
+    probability, accuracy = table.probability.copy(), table.expected_accuracy.copy()
+    low, high = np.zeros(probability.shape), np.zeros(probability.shape)
+    pairs = np.argwhere(table.visible)
+    for first in range(0, len(pairs), _PAIRS_SIMULATED):
+        some = pairs[first : first + _PAIRS_SIMULATED]
+        estimates = simulate_pairs(table, some, poses, job, precision, seed)
+        at = tuple(some.T)
+        probability[at], accuracy[at] = estimates.probability, estimates.expected_accuracy
+        low[at], high[at] = estimates.low, estimates.high
+    return replace(table, probability=probability, expected_accuracy=accuracy), low, high
+
+
+def simulate_pairs(
+    table: TableBlock,
+    pairs: NDArray[np.int64],
+    poses: NDArray[np.float64],
+    job: EvaluationJob,
+    precision: float,
+    seed: int,
+) -> ExactEstimates:
+    """The exact camera's word on visible pairs ``(n, 2)`` of a table: indices of setting and dimension."""
+    from ..simulation import estimate_success_probabilities
+
+    setting, dimension = pairs.T
+    gauges = [job.dimensions[j].gauges[table.gauge[k, j]] for k, j in pairs]
+    ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
+    points = transform(invert(poses[setting])[:, None], ends)
+    return estimate_success_probabilities(
+        points[:, 0],
+        points[:, 1],
+        job.camera,
+        job.head,
+        table.relative_tolerance[setting, dimension],
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=seed,
+    )
