@@ -44,48 +44,77 @@ def best_gauges(
     is the one that fails at the latest condition tested.
     """
     dimensions = len(first) - 1
-    best = np.zeros((dimensions, VIEWS), np.int64)
-    seen = np.zeros((dimensions, VIEWS), np.bool_)
-    undecided = np.zeros((dimensions, VIEWS), np.bool_)
-    undecided[:, :count] = True
-    place, setting, gauge = (np.empty(dimensions * VIEWS, np.int64) for _ in range(3))
-    while n := _surest(probability, margin, reason, first, count, threshold, undecided, best, place, setting, gauge):
-        hidden = lines.hidden(views, setting[:n], gauge[:n])
-        at = place[:n]
-        seen.reshape(-1)[at[~hidden]] = True
-        undecided.reshape(-1)[at[~hidden]] = False
-        reason[gauge[:n][hidden], setting[:n][hidden]] = OCCLUDED
+    best, seen = np.zeros((dimensions, VIEWS), np.int64), np.zeros((dimensions, VIEWS), np.bool_)
+    place = np.empty(dimensions * VIEWS, np.int64)
+    n = _surest_of_all(probability, margin, reason, first, count, threshold, best, place)
+    while n:
+        undecided = place[:n]
+        dimension, setting = np.divmod(undecided, VIEWS)
+        gauge = best[dimension, setting]
+        hidden = lines.hidden(views, setting, gauge)
+        seen.reshape(-1)[undecided[~hidden]] = True
+        reason[gauge[hidden], setting[hidden]] = OCCLUDED
+        left = undecided[hidden]
+        n = _surest_of(left, probability, margin, reason, first, threshold, best, place)
     return best, seen
 
 
+@numba.njit(error_model="numpy", forceinline=True)
+def _score(probability, margin, reason, threshold):  # type: ignore[no-untyped-def]
+    """What gauges rank by: the probability; if that is equal to the kernel's accuracy, the margin."""
+    counts = (reason == VISIBLE) & (probability >= threshold)
+    return probability + 1e-9 * margin / (1.0 + margin) if counts else -1.0
+
+
 @numba.njit(
-    "int64(float64[:,::1], float64[:,::1], int8[:,::1], int64[::1], int64, float64, boolean[:,::1], int64[:,::1], "
-    "int64[::1], int64[::1], int64[::1])",
+    "int64(float64[:,::1], float64[:,::1], int8[:,::1], int64[::1], int64, float64, int64[:,::1], int64[::1])",
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def _surest(  # type: ignore[no-untyped-def]
-    probability, margin, reason, first, count, threshold, undecided, best, place, setting, gauge
-):
-    """List the surest visible gauge of undecided pairs; decide those that have none."""
+def _surest_of_all(probability, margin, reason, first, count, threshold, best, place):  # type: ignore[no-untyped-def]
+    """The surest visible gauge of each dimension, else the one that fails last; lists the places of the former."""
+    top, latest = np.empty(VIEWS), np.empty(VIEWS)
+    chosen, last = np.empty(VIEWS), np.empty(VIEWS)  # gauges, as floats: loops over one type are compiled best
     n = 0
     for d in range(len(first) - 1):
+        top[:], latest[:] = -1.0, -1.0
+        for g in range(first[d], first[d + 1]):
+            for s in range(count):
+                score = _score(probability[g, s], margin[g, s], reason[g, s], threshold)
+                chosen[s] = g if score > top[s] else chosen[s]
+                top[s] = max(score, top[s])
+                code = float(reason[g, s])
+                last[s] = g if code > latest[s] else last[s]
+                latest[s] = max(code, latest[s])
         for s in range(count):
-            if not undecided[d, s]:
-                continue
-            top, chosen, latest = -1.0, -1, first[d]
-            for g in range(first[d], first[d + 1]):
-                if reason[g, s] == VISIBLE and probability[g, s] >= threshold:
-                    # probabilities that are equal to the kernel's accuracy rank by the margin
-                    score = probability[g, s] + 1e-9 * margin[g, s] / (1.0 + margin[g, s])
-                    if score > top:
-                        top, chosen = score, g
-                if reason[g, s] > reason[latest, s]:
-                    latest = g
-            if chosen < 0:
-                best[d, s], undecided[d, s] = latest, False
-            else:
-                best[d, s], place[n], setting[n], gauge[n] = chosen, d * VIEWS + s, s, chosen
-                n += 1
+            best[d, s] = int(chosen[s]) if top[s] >= 0.0 else int(last[s])
+            place[n] = d * VIEWS + s
+            n += top[s] >= 0.0
+    return n
+
+
+@numba.njit(
+    "int64(int64[::1], float64[:,::1], float64[:,::1], int8[:,::1], int64[::1], float64, int64[:,::1], int64[::1])",
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def _surest_of(left, probability, margin, reason, first, threshold, best, place):  # type: ignore[no-untyped-def]
+    """The same for some places only."""
+    n = 0
+    for k in left:
+        d, s = k // VIEWS, k % VIEWS
+        top, latest, chosen = -1.0, -1, -1
+        for g in range(first[d], first[d + 1]):
+            score = _score(probability[g, s], margin[g, s], reason[g, s], threshold)
+            if score > top:
+                top, chosen = score, g
+            if latest < 0 or reason[g, s] > reason[latest, s]:
+                latest = g
+        if chosen >= 0:
+            best[d, s], place[n] = chosen, k
+            n += 1
+        else:
+            best[d, s] = latest
     return n

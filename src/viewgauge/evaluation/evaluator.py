@@ -217,7 +217,7 @@ class Evaluator:
         ranked = self._ranked(poses, self._required)
         at = np.nonzero(ranked.seen)
         certain = np.zeros(ranked.seen.shape, dtype=bool)
-        certain[at] = self._columns.of(ranked.views, at[0], ranked.gauge[at]).neglected < _SCREEN
+        certain[at] = self._columns.neglected(ranked.views, at[0], ranked.gauge[at]) < _SCREEN
         return Accepted(ranked.probability, certain)
 
 

@@ -68,76 +68,89 @@ class ProbabilityKernel:
         The probabilities, to 1e-11, and T L in units of the standard deviation of the total error, squared.
         """
         gauges = len(self._points)
-        probability, margin = np.empty((gauges, VIEWS)), np.empty((gauges, VIEWS))
-        values = np.empty(5 * _PAIRS)
-        x, sigma, a, b, ratio = values.reshape(5, _PAIRS)
+        probability, margin = np.zeros((gauges, VIEWS)), np.zeros((gauges, VIEWS))
+        values, place = np.empty(6 * _PAIRS), np.empty(_PAIRS, np.int64)
+        x, sigma, a, b, ratio, law = values.reshape(6, _PAIRS)
         for first in range(0, gauges, _GAUGES):
-            last = min(first + _GAUGES, gauges)
-            n = (last - first) * VIEWS
-            _lengths(
-                views, count, self._points[first:last], self._tolerance[first:last], self._parameters,
-                reason[first:last], values,
-            )  # fmt: skip
-            central_probability_into(x[:n], sigma[:n], a[:n], b[:n], probability[first:last].reshape(-1))
-            margin[first:last] = ratio[:n].reshape(-1, VIEWS)
+            tile = slice(first, first + _GAUGES)
+            n = _lengths(
+                views, count, self._points[tile], self._tolerance[tile], self._parameters, reason[tile], values, place
+            )
+            central_probability_into(x[:n], sigma[:n], a[:n], b[:n], law[:n])
+            _scatter(place[:n], law, ratio, probability[tile].reshape(-1), margin[tile].reshape(-1))
         return probability, margin
 
 
+@numba.njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[::1])", cache=True, nogil=True)
+def _scatter(place, law, ratio, probability, margin):  # type: ignore[no-untyped-def]
+    for k in range(len(place)):
+        probability[place[k]], margin[place[k]] = law[k], ratio[k]
+
+
+@numba.njit(error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
+def _length(views, s, x1, y1, z1, x2, y2, z2, T, R):  # type: ignore[no-untyped-def]
+    """Allowed error, variance, two half-widths, squared margin of the pair with setting s."""
+    r0, r1, r2 = views[s], views[VIEWS + s], views[2 * VIEWS + s]
+    r3, r4, r5 = views[3 * VIEWS + s], views[4 * VIEWS + s], views[5 * VIEWS + s]
+    r6, r7, r8 = views[6 * VIEWS + s], views[7 * VIEWS + s], views[8 * VIEWS + s]
+    cx, cy, cz = views[9 * VIEWS + s], views[10 * VIEWS + s], views[11 * VIEWS + s]
+    w1 = 1.0 / (r6 * x1 + r7 * y1 + r8 * z1 + cz)
+    w2 = 1.0 / (r6 * x2 + r7 * y2 + r8 * z2 + cz)
+    u1, v1 = (r0 * x1 + r1 * y1 + r2 * z1 + cx) * w1, (r3 * x1 + r4 * y1 + r5 * z1 + cy) * w1
+    u2, v2 = (r0 * x2 + r1 * y2 + r2 * z2 + cx) * w2, (r3 * x2 + r4 * y2 + r5 * z2 + cy) * w2
+    du, dv = u2 - u1, v2 - v1
+    length = math.sqrt(du * du + dv * dv)
+    per_length = 1.0 / length
+    c = du * per_length if length > 0.0 else 1.0
+    n = dv * per_length if length > 0.0 else 0.0
+    d_w, d_uv = w2 - w1, u2 * v2 - u1 * v1
+    j0, j1 = c * d_w, n * d_w
+    j2 = -c * (u2 * w2 - u1 * w1) - n * (v2 * w2 - v1 * w1)
+    j3 = -c * d_uv - n * (v2 + v1) * dv
+    j4 = c * (u2 + u1) * du + n * d_uv
+    e0 = R[0] * j0 + R[1] * j1 + R[2] * j2 + R[3] * j3 + R[4] * j4
+    e1 = R[5] * j1 + R[6] * j2 + R[7] * j3 + R[8] * j4
+    e2 = R[9] * j2 + R[10] * j3 + R[11] * j4
+    e3 = R[12] * j3 + R[13] * j4
+    e4 = R[14] * j4
+    variance = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 + e4 * e4
+    a, b = R[15] * abs(c), R[16] * abs(n)
+    allowed = T * length
+    return allowed, variance, a, b, allowed * allowed / max(variance + (a * a + b * b) * (1 / 6), 1e-300)
+
+
 @numba.njit(
-    "void(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], int8[:,::1], float64[::1])",
+    "int64(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], int8[:,::1], float64[::1], int64[::1])",
     cache=True,
     nogil=True,
     error_model="numpy",
     fastmath={"contract", "nsz"},
 )
-def _lengths(views, count, points, tolerance, parameters, reason, values):  # type: ignore[no-untyped-def]
-    """Rows of 8192 values: allowed error (negative where not visible), sigma, two half-widths, squared margin."""
-    R = parameters
-    step_u, step_v = parameters[15], parameters[16]
+def _lengths(views, count, points, tolerance, R, reason, values, place):  # type: ignore[no-untyped-def]
+    """Rows of 8192 values of the visible pairs: allowed error, sigma, two half-widths, margin; and their places."""
+    row = np.empty(5 * VIEWS)
+    n = 0
     for g in range(len(points)):
-        row = g * VIEWS
-        any_visible = False
+        first = n
         for s in range(count):
-            any_visible |= reason[g, s] == VISIBLE
-        for s in range(0 if not any_visible else count, VIEWS):
-            values[row + s], values[_PAIRS + row + s], values[2 * _PAIRS + row + s] = -1.0, 0.0, 0.0
-            values[3 * _PAIRS + row + s], values[4 * _PAIRS + row + s] = 0.0, 0.0
-        if not any_visible:
-            continue
+            place[n] = g * VIEWS + s
+            n += reason[g, s] == VISIBLE
         x1, y1, z1 = points[g, 0, 0], points[g, 0, 1], points[g, 0, 2]
         x2, y2, z2 = points[g, 1, 0], points[g, 1, 1], points[g, 1, 2]
         T = tolerance[g]
-        for s in range(count):
-            r0, r1, r2 = views[s], views[VIEWS + s], views[2 * VIEWS + s]
-            r3, r4, r5 = views[3 * VIEWS + s], views[4 * VIEWS + s], views[5 * VIEWS + s]
-            r6, r7, r8 = views[6 * VIEWS + s], views[7 * VIEWS + s], views[8 * VIEWS + s]
-            cx, cy, cz = views[9 * VIEWS + s], views[10 * VIEWS + s], views[11 * VIEWS + s]
-            w1 = 1.0 / (r6 * x1 + r7 * y1 + r8 * z1 + cz)
-            w2 = 1.0 / (r6 * x2 + r7 * y2 + r8 * z2 + cz)
-            u1, v1 = (r0 * x1 + r1 * y1 + r2 * z1 + cx) * w1, (r3 * x1 + r4 * y1 + r5 * z1 + cy) * w1
-            u2, v2 = (r0 * x2 + r1 * y2 + r2 * z2 + cx) * w2, (r3 * x2 + r4 * y2 + r5 * z2 + cy) * w2
-            du, dv = u2 - u1, v2 - v1
-            length = math.sqrt(du * du + dv * dv)
-            per_length = 1.0 / length
-            c = du * per_length if length > 0.0 else 1.0
-            n = dv * per_length if length > 0.0 else 0.0
-            d_w, d_uv = w2 - w1, u2 * v2 - u1 * v1
-            j0, j1 = c * d_w, n * d_w
-            j2 = -c * (u2 * w2 - u1 * w1) - n * (v2 * w2 - v1 * w1)
-            j3 = -c * d_uv - n * (v2 + v1) * dv
-            j4 = c * (u2 + u1) * du + n * d_uv
-            e0 = R[0] * j0 + R[1] * j1 + R[2] * j2 + R[3] * j3 + R[4] * j4
-            e1 = R[5] * j1 + R[6] * j2 + R[7] * j3 + R[8] * j4
-            e2 = R[9] * j2 + R[10] * j3 + R[11] * j4
-            e3 = R[12] * j3 + R[13] * j4
-            e4 = R[14] * j4
-            variance = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 + e4 * e4
-            a, b = step_u * abs(c), step_v * abs(n)
-            allowed = T * length
-            spread = variance + (a * a + b * b) * (1 / 6)
-            visible = reason[g, s] == VISIBLE
-            values[row + s] = allowed if visible else -1.0
-            values[_PAIRS + row + s] = math.sqrt(variance)
-            values[2 * _PAIRS + row + s] = a
-            values[3 * _PAIRS + row + s] = b
-            values[4 * _PAIRS + row + s] = allowed * allowed / max(spread, 1e-300) if visible else 0.0
+        if 2 * (n - first) > count:  # most are visible: all are computed, in order, which is faster than picking
+            for s in range(count):
+                allowed, variance, a, b, margin = _length(views, s, x1, y1, z1, x2, y2, z2, T, R)
+                row[s], row[VIEWS + s], row[2 * VIEWS + s] = allowed, math.sqrt(variance), a
+                row[3 * VIEWS + s], row[4 * VIEWS + s] = b, margin
+            for k in range(first, n):
+                s = place[k] - g * VIEWS
+                for r in range(5):
+                    values[r * _PAIRS + k] = row[r * VIEWS + s]
+        else:
+            for k in range(first, n):
+                s = place[k] - g * VIEWS
+                allowed, variance, a, b, margin = _length(views, s, x1, y1, z1, x2, y2, z2, T, R)
+                values[k], values[_PAIRS + k], values[2 * _PAIRS + k] = allowed, math.sqrt(variance), a
+                values[3 * _PAIRS + k], values[4 * _PAIRS + k] = b, margin
+    return n

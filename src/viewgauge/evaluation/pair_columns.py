@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors.closed_form import mean_absolute
+from ..errors.mean_absolute_array import mean_absolute_into
 from ..geometry import VIEWS, Camera, PoseError
 from ..part.gauge_table import GaugeTable
 
@@ -56,12 +56,26 @@ class PairColumns:
 
     def of(self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]) -> PairValues:
         """Of pairs of a block of settings (:func:`~viewgauge.geometry.view_block`): indices ``(p,)``."""
+        out = self._rows(views, setting, gauge)
+        length, sigma, a, b = out[5:]
+        mean_absolute = np.empty(len(length))
+        mean_absolute_into(sigma, a, b, mean_absolute)
+        relative = np.divide(mean_absolute, length, out=np.ones(len(length)), where=length > 0)
+        return PairValues(out[0], out[1], out[2], out[3], np.maximum(1 - relative, 0.0), out[4])
+
+    def neglected(
+        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Of :meth:`of` the last alone, ``(p,)``."""
+        return np.asarray(self._rows(views, setting, gauge)[4])
+
+    def _rows(
+        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
         out = np.empty((9, len(setting)))
         setting, gauge = np.ascontiguousarray(setting), np.ascontiguousarray(gauge)
         _columns(views, setting, gauge, self._points, self._covariance, self._parameters, out)
-        length, sigma, a, b = out[5:]
-        relative = np.divide(mean_absolute(sigma, a, b), length, out=np.ones(len(length)), where=length > 0)
-        return PairValues(out[0], out[1], out[2], out[3], np.maximum(1 - relative, 0.0), out[4])
+        return out
 
 
 @numba.njit(error_model="numpy")

@@ -20,6 +20,8 @@ _FLOAT32_MARGIN = 1e-5
 _WHOLE_SAMPLES = 33
 """Points of a segment that are tested where the whole of it must be seen, both ends among them."""
 
+_START, _END, _BETWEEN = np.array([0.0]), np.array([1.0]), np.linspace(0.0, 1.0, _WHOLE_SAMPLES)[1:-1]
+
 _RAYS_PER_CAST = 65_536
 """Bounds the memory of rays (28 bytes each)."""
 
@@ -90,10 +92,10 @@ class SightLines:
             ``(p,)``: indices into the block, and into the table of gauges.
         """
         setting, gauge = np.ascontiguousarray(setting), np.ascontiguousarray(gauge)
-        hidden = self._any_blocked(views, setting, gauge, np.array([0.0]))
+        hidden = self._any_blocked(views, setting, gauge, _START)
         for fractions, asked in (
-            (np.array([1.0]), np.ones(len(setting), dtype=bool)),
-            (np.linspace(0.0, 1.0, _WHOLE_SAMPLES)[1:-1], self._whole[gauge]),
+            (_END, np.ones(len(setting), dtype=bool)),
+            (_BETWEEN, self._whole[gauge]),
         ):
             left = np.flatnonzero(asked & ~hidden)
             if len(left):
