@@ -191,5 +191,23 @@ def test_levels_rise_with_the_probability_and_are_zero_only_below_what_is_requir
     assert (np.abs(level - p * 1e4)[(level > 1)] <= 1).all()
 
 
+@given(
+    probability=st.lists(st.floats(0, 1), min_size=1, max_size=6),
+    required=st.floats(0, 1, exclude_min=True),
+    candidates=st.sampled_from([65_537, 1_000_000, 1_000_001, 10**12]),
+)
+def test_of_very_many_candidates_the_levels_are_coarser_and_the_least_number_is_the_same(
+    probability, required, candidates
+):
+    p = np.clip(np.sort(np.array([*probability, required, np.nextafter(required, 0)])), 0, 1)
+    level = probability_levels(p, required, candidates)
+    assert (np.diff(level.astype(int)) >= 0).all()
+    assert np.array_equal(level > 0, p >= required)
+    step = max(1e-4, (1 - required) / (50 if candidates <= 1_000_000 else 10))
+    sure = p[level > 1]
+    assert (np.abs(level[level > 1] - sure / step) <= 1 + 1e-6).all()
+    assert len(np.unique(level)) <= 2 + (1 - required) / step + 1
+
+
 def test_levels_at_the_ends():
     assert probability_levels(np.array([[0.0, 1e-9, 0.95, 1.0, np.nan]]), 1e-9).tolist() == [[0, 1, 9500, 10000, 0]]

@@ -34,7 +34,11 @@ from numpy.typing import NDArray
 __all__ = ["Undominated", "maximal_rows", "probability_levels"]
 
 LEVELS = 10_000
-"""Levels of probability 1."""
+"""Levels of probability 1, at the finest."""
+
+_SHARES: tuple[tuple[int, int | None], ...] = ((65_536, None), (1_000_000, 50))
+_FEWEST_SHARES = 10
+"""Up to how many candidates what lies between the requirement and certainty has how many steps; None: steps of 1e-4."""
 
 _SAMPLE = 512  # rows from which the pivots of the bit masks are taken
 _BLOCK = 16  # rows whose bit masks are compared at once: the compiler makes vector instructions of it
@@ -42,20 +46,28 @@ _BLOCK = 16  # rows whose bit masks are compared at once: the compiler makes vec
 _compiled: Callable[[Any], Any] = numba.njit(cache=True, nogil=True)
 
 
-def probability_levels(probability: NDArray[np.float64], required: float) -> NDArray[np.uint16]:
-    r"""Probability in steps of 1e-4, 0 where it misses what is required: :math:`\lfloor 10^4 p \rfloor`.
+def probability_levels(probability: NDArray[np.float64], required: float, candidates: int = 0) -> NDArray[np.uint16]:
+    r"""How sure, in steps: 0 where it misses what is required, else :math:`\max(1, \lfloor p / step \rfloor)`.
 
-    The model agrees with the exact camera to 1.5e-4, so a finer comparison of two settings means nothing; and the
-    fewer levels differ, the more settings are found needless and the fewer thresholds are searched. The product is
-    rounded once and the floor is monotone, so of two probabilities the greater never has the lower level. Whatever
-    is at least ``required`` has level 1 at least, however low the requirement.
+    The steps are of 1e-4: the model agrees with the exact camera to 1.5e-4, so a finer comparison of two settings
+    means nothing. The fewer levels differ, the more settings are found needless; of very many candidates almost none
+    would be, and the search for needless ones, not the evaluation, would take the time. So of more than 65,536 the
+    steps are a fiftieth of what lies between the requirement and certainty, of more than a million a tenth, and never
+    finer. The least number of settings does not depend on the steps; the weakest dimension's probability is the best
+    to within one. Of two probabilities the greater never has the lower level. Whatever is at least ``required`` has
+    level 1 at least, however low the requirement.
 
     Parameters
     ----------
     probability
         ``(...)``, in [0, 1].
+    candidates
+        Number of settings among which the choice is.
     """
-    level = np.clip(np.floor(probability * LEVELS), 1, LEVELS)
+    shares = next((shares for most, shares in _SHARES if candidates <= most), _FEWEST_SHARES)
+    step = 1 / LEVELS if shares is None else max(1 / LEVELS, (1 - required) / shares)
+    # the quotient is rounded once and monotone; the tolerance lets whole steps be whole
+    level = np.clip(np.floor(probability * (1 / step) + 1e-9), 1, LEVELS)
     return np.where(probability >= required, level, 0).astype(np.uint16)
 
 
