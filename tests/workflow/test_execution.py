@@ -181,6 +181,16 @@ def test_an_item_that_kills_its_workers_is_named_when_all_others_are_done(two_wo
     np.testing.assert_array_equal(results(two_workers), results(InProcess()))
 
 
+def own_process(_, item):
+    return item, os.getpid()
+
+
+def test_a_job_begins_while_a_worker_is_being_lost(two_workers):
+    for _ in range(3):
+        os.kill(next(two_workers.run(own_process, None, [0]))[1][1], signal.SIGKILL)  # the scheduler learns of it later
+        np.testing.assert_array_equal(results(two_workers), results(InProcess()))
+
+
 @dataclass(frozen=True)
 class Written:
     """A table of two columns that workers fill."""

@@ -12,16 +12,18 @@ from __future__ import annotations
 
 import itertools
 import logging
+import signal
 import socket
 import threading
 import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
+from multiprocessing import resource_tracker
 from typing import Any, Generic, TypeVar
 from urllib.parse import urlsplit
 
@@ -41,6 +43,8 @@ _FIRST_WORKER_S = 30.0
 _ALL_LOST_S = 300.0  # without any worker, after which the job is given up
 _COMMON_S = 120.0  # for what is common to arrive at a worker that joined
 _LOOK_S = 1.0  # between two looks at how many workers there are
+_RETRY_S = 0.2
+_DELIVER_S = 60.0  # to give the workers what is common, while some of them are being lost
 _AHEAD = 2  # chunks under way for each thread of the workers: one runs, one waits
 _QUIET = ("distributed", "distributed.client", "distributed.nanny", "distributed.scheduler", "distributed.worker")
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -61,27 +65,49 @@ def local(workers: int) -> Iterator[Cluster]:
     InputError
         If the processes do not start.
     """
-    with _quiet(), dask.config.set(_LOCAL_SETTINGS):
-        try:
-            cluster = distributed.LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",  # Dask opens a port in any case: a free one, and nothing behind it
-                scheduler_kwargs={"dashboard": False},
-                memory_limit=0,  # chunks are small; Dask would write results to disk, and pause and kill workers
-                silence_logs=logging.CRITICAL,
-            )
-        except (OSError, RuntimeError) as error:
-            raise InputError(
-                "the worker processes do not start",
-                key="workers",
-                got=f"{workers}; {error}",
-                hint='in a script, put what is run below if __name__ == "__main__":',
-            ) from error
-        with cluster, distributed.Client(cluster, set_as_default=False) as client:
-            yield Cluster(client)
+    with ExitStack() as stack:
+        stack.enter_context(_quiet())
+        stack.enter_context(dask.config.set(_LOCAL_SETTINGS))
+        with _interrupts_wait():
+            try:
+                cluster = distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",  # Dask opens a port in any case: a free one, nothing behind it
+                    scheduler_kwargs={"dashboard": False},
+                    memory_limit=0,  # chunks are small; Dask would write results to disk, and pause and kill workers
+                    silence_logs=logging.CRITICAL,
+                )
+            except (OSError, RuntimeError) as error:
+                raise InputError(
+                    "the worker processes do not start",
+                    key="workers",
+                    got=f"{workers}; {error}",
+                    hint='in a script, put what is run below if __name__ == "__main__":',
+                ) from error
+            stack.enter_context(cluster)
+        yield Cluster(stack.enter_context(distributed.Client(cluster, set_as_default=False)))
+
+
+@contextmanager
+def _interrupts_wait() -> Iterator[None]:
+    """SIGINT waits until the block ends, and reaches no process that Dask starts from here, now or later.
+
+    A terminal sends it to all processes of a job. A worker would tell of it with a traceback, its own and each that
+    takes its place; this process ends its workers in any case. Threads inherit what is blocked, and so do processes
+    from the thread that starts them: Dask's threads begin in the block, and all workers from them.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system
+        yield
+        return
+    resource_tracker.ensure_running()  # whoever starts it unblocks SIGINT, later it would be one of Dask's threads
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -146,12 +172,26 @@ class Cluster:
         name = f"viewgauge-{job.token}"
         try:
             with _connection():
-                self._client.register_plugin(_Delivery(job.token, function, common), name=name)
+                self._deliver(_Delivery(job.token, function, common), name)
             yield from job.results()
         finally:
             job.cancel()
             with suppress(Exception):  # the scheduler may be gone, and what is raised already tells why
                 self._client.unregister_worker_plugin(name)
+
+    def _deliver(self, delivery: _Delivery, name: str) -> None:
+        """Give the workers what is common; one that is lost meanwhile is no reason to give up."""
+        deadline = time.monotonic() + _DELIVER_S
+        while True:
+            try:
+                self._client.register_plugin(delivery, name=name)
+            except (OSError, RuntimeError):  # of a worker that the scheduler does not yet know to be lost, or its own
+                self._client.nthreads()  # raises where the scheduler is gone
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(_RETRY_S)
+            else:
+                return
 
 
 @contextmanager
@@ -159,7 +199,7 @@ def _connection() -> Iterator[None]:
     """The errors that Dask has where its scheduler is gone as one that tells so."""
     try:
         yield
-    except (distributed.CancelledError, OSError) as error:
+    except (distributed.CancelledError, OSError, RuntimeError) as error:  # the last: "ConnectionPool is closed"
         raise ViewgaugeError(
             "the connection to the Dask scheduler is lost\n"
             "  hint:     start the scheduler and its workers, then the job again: it goes on from what it has kept"
@@ -319,6 +359,8 @@ def _require_equals(client: distributed.Client, scheduler: str) -> None:
     except metadata.PackageNotFoundError as error:
         found["the scheduler"] = error
     for place, version in found.items():
+        if isinstance(version, OSError):  # lost meanwhile
+            continue
         if version != _version():
             told = "none" if isinstance(version, metadata.PackageNotFoundError) else str(version)
             raise _other_version(_version(), f"{place}: {told}")
