@@ -43,12 +43,20 @@ def _whole_number(_: object, tokens: Sequence[Token]) -> int:
         raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
 
 
+def _count(kind: object, tokens: Sequence[Token]) -> int:
+    """A whole number from 1 on, refused before anything is read."""
+    number = _whole_number(kind, tokens)
+    if number < 1:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number from 1 on")
+    return number
+
+
 _Workers = Annotated[
     int | None,
-    Parameter(name="--workers", converter=_whole_number, help="Run on this many processes (Dask) of this machine."),
+    Parameter(name="--workers", converter=_count, help="Run on this many processes (Dask) of this machine."),
 ]
 _Chunk = Annotated[
-    int, Parameter(name="--chunk", converter=_whole_number, help="Settings evaluated at once; bounds the memory.")
+    int, Parameter(name="--chunk", converter=_count, help="Settings evaluated at once; bounds the memory.")
 ]
 
 

@@ -49,9 +49,9 @@ class ChunkJournal:
         self, folder: str | os.PathLike[str], fingerprint: str, *, target: str | os.PathLike[str] | None = None
     ) -> None:
         self.folder, self.fingerprint = Path(folder), fingerprint
-        target = folder if target is None else target
-        with writing_in(target):
-            self._lock = FolderLock(self.folder, target)
+        self._target = folder if target is None else target
+        with writing_in(self._target):
+            self._lock = FolderLock(self.folder, self._target)
             try:
                 if not (self.job / _JOB).exists():
                     self.restart()
@@ -79,8 +79,9 @@ class ChunkJournal:
         return {chunk: paths[chunk] for chunk in sorted(paths) if _readable(paths[chunk])}
 
     def record(self, chunk: int, **arrays: ArrayLike) -> None:
-        """Note that a chunk is done, with its arrays."""
-        record_entry(self.job, chunk, **arrays)
+        """Note that a chunk is done, with its arrays; raises InputError where they cannot be written."""
+        with writing_in(self._target):
+            record_entry(self.job, chunk, **arrays)
 
     def close(self) -> None:
         """Let other processes in; what was recorded is kept."""

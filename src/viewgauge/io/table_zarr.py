@@ -11,7 +11,8 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping
+import socket
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -37,11 +38,31 @@ class ZarrRegionWriter:
 
     job: Path
     layout: TableLayout
+    target: Path
 
     def write(
         self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
     ) -> None:
-        """Write a chunk and record that it is done, with a summary of plain data; see :meth:`ZarrTable.write`."""
+        """Write a chunk and record that it is done, with a summary of plain data; see :meth:`ZarrTable.write`.
+
+        Raises
+        ------
+        InputError
+            If the place cannot be written to, or is not there on this machine.
+        """
+        if not (self.job / "table").is_dir():
+            raise InputError(
+                f"the table's folder {self.job} is not there on {socket.gethostname()}, which is to write a part of it",
+                file=self.target,
+                hint="write it to a folder that all workers share by the same path, or write CSV or Parquet, which "
+                "workers do not write",
+            )
+        with writing_in(self.target):
+            self._write(first_setting, values, summary)
+
+    def _write(
+        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None
+    ) -> None:
         import zarr
 
         chunk = self.layout.chunk_of(first_setting)
@@ -111,7 +132,8 @@ class ZarrTable:
     def writer(self) -> ZarrRegionWriter:
         """What other processes write chunks with; without the ids of the settings, so that it is small."""
         unnamed = range(len(self._layout.setting_ids))
-        return ZarrRegionWriter(self._journal.job, replace(self._layout, setting_ids=unnamed))  # type: ignore[arg-type] # never read
+        layout = replace(self._layout, setting_ids=unnamed)  # type: ignore[arg-type] # never read
+        return ZarrRegionWriter(self._journal.job, layout, self._path)
 
     def write(
         self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
@@ -125,8 +147,7 @@ class ZarrTable:
         summary
             Plain data, given back in :attr:`done` when the table is opened again.
         """
-        with writing_in(self._path):
-            self.writer().write(first_setting, values, summary)
+        self.writer().write(first_setting, values, summary)
 
     def __enter__(self) -> Self:
         return self
@@ -167,10 +188,9 @@ def _make(path: Path, layout: TableLayout) -> None:
     import zarr
 
     group = zarr.create_group(path, zarr_format=2, attributes=dict(layout.attrs))
-    settings = np.array(layout.setting_ids[:], dtype=np.str_)
-    dimensions = np.array(layout.dimension_ids[:], dtype=np.str_)
-    _fill(group, "setting", settings, ["setting"])
-    _fill(group, "dimension", dimensions, ["dimension"])
+    settings, dimensions = layout.setting_ids, layout.dimension_ids
+    _fill(group, "setting", _Texts(settings), ["setting"])
+    _fill(group, "dimension", _Texts(dimensions), ["dimension"])
     for name, values in layout.coordinates.items():
         _fill(group, name, np.asarray(values, dtype=float), ["dimension"])
     attributes = {"coordinates": " ".join(sorted(layout.coordinates))} if layout.coordinates else {}
@@ -185,12 +205,30 @@ def _make(path: Path, layout: TableLayout) -> None:
         )
 
 
-def _fill(group: Any, name: str, values: NDArray[np.generic], over: list[str]) -> None:
-    if not values.dtype.itemsize:
-        values = values.astype("<U1")
+class _Texts:
+    """Texts as an array of fixed width of which only slices are made: there may be more than memory holds."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        self._texts = texts
+        width = max((len(text) for k in range(0, len(texts), _IDS_PER_CHUNK) for text in self._some(k)), default=1)
+        self.dtype, self.shape = np.dtype(f"<U{max(width, 1)}"), (len(texts),)
+
+    def _some(self, first: int) -> Sequence[str]:
+        return self._texts[first : first + _IDS_PER_CHUNK]
+
+    def __len__(self) -> int:
+        return len(self._texts)
+
+    def __getitem__(self, some: slice) -> NDArray[np.str_]:
+        return np.array(self._texts[some], dtype=self.dtype)
+
+
+def _fill(group: Any, name: str, values: _Texts | NDArray[np.float64], over: list[str]) -> None:
     chunk = (min(max(len(values), 1), _IDS_PER_CHUNK),)
     _create(group, name, values.shape, chunk, values.dtype, {"_ARRAY_DIMENSIONS": over})
-    group[name][:] = values
+    for first in range(0, len(values), _IDS_PER_CHUNK):
+        some = slice(first, min(first + _IDS_PER_CHUNK, len(values)))
+        group[name][some] = values[some]
 
 
 def _create(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..evaluation import BestRows, Evaluator, Requirement, TableBlock
 from ..evaluation.segment import FirstOrderMethod
+from ..exceptions import InputError
 from ..geometry import Camera, PoseError, invert, transform
 from ..part import Dimension, Mesh
 from ..planning import Undominated, probability_levels
@@ -35,6 +36,7 @@ __all__ = [
     "best_chunk",
     "chunks_of",
     "evaluator_of",
+    "require_chunk_size",
     "simulate_pairs",
     "simulated",
     "table_chunk",
@@ -136,10 +138,18 @@ def chunks_of(source: SettingSource, size: int) -> list[Chunk]:
     return [(first, min(first + size, len(source))) for first in range(0, len(source), size)]
 
 
+def require_chunk_size(settings: int) -> None:
+    """Raise InputError unless a chunk can have this many settings."""
+    if isinstance(settings, bool) or not isinstance(settings, int | np.integer) or settings < 1:
+        raise InputError(
+            "not a number of settings", key="chunk", got=repr(settings), expected="a whole number from 1 on"
+        )
+
+
 def accepted_chunk(job: EvaluationJob, chunk: Chunk) -> Undominated:
     """Of a chunk's settings those that a cover may need."""
     accepted = evaluator_of(job).accepted(job.source.poses(*chunk))
-    level = probability_levels(accepted.probability, job.requirement.probability)
+    level = probability_levels(accepted.probability, job.requirement.probability, len(job.source))
     some = np.flatnonzero(level.any(axis=1))
     kept = Undominated(len(job.dimensions))
     kept.add(chunk[0] + some, level[some], accepted.certain[some])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -31,16 +29,18 @@ from .chunks import (
     TableJob,
     chunks_of,
     evaluator_of,
+    require_chunk_size,
     table_chunk,
 )
 from .execution import Executor, InProcess
+from .fingerprint import job_fingerprint
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..io.table_store import TableLayout, TableStore
+    from ..io.table_store import TableStore
 
 __all__ = ["Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"]
 
@@ -86,7 +86,7 @@ def evaluate(
     dimensions, job = _job(inspection, chosen, method, precision, None)
     pieces: list[Mapping[str, NDArray[np.generic]]] = []
     with progress.stage(_stage(len(chosen), method, precision), len(chosen)) as advance:
-        for chunk in chunks_of(chosen, _chunk_size(method, SETTINGS_PER_CHUNK)) or [(0, 0)]:
+        for chunk in chunks_of(chosen, _chunk_size(method, SETTINGS_PER_CHUNK)):
             pieces.append(table_chunk(job, chunk)[1])
             advance(chunk[1] - chunk[0])
     columns = {name: np.concatenate([piece[name] for piece in pieces]) for name in job.columns}
@@ -160,7 +160,7 @@ def evaluate_into(
     sampled
         Evaluate the candidates that a plan would sample, in place of given settings.
     columns
-        Columns to write; by default all.
+        Names of the columns to write, whose order does not matter; by default all, but ``gauge`` to Zarr only.
     executor
         Where chunks run (:func:`~viewgauge.workflow.open_executor`); by default in this process. Zarr is written by
         the processes of the executor, which must all see the path.
@@ -173,10 +173,7 @@ def evaluate_into(
         If something given cannot be used, or the place cannot be written.
     """
     progress, executor = progress or Silent(), executor or InProcess()
-    if settings_per_chunk < 1:
-        raise InputError(
-            "a chunk has no setting", key="chunk", got=settings_per_chunk, expected="a whole number from 1 on"
-        )
+    require_chunk_size(settings_per_chunk)
     source: SettingSource
     if sampled:
         if settings is not None:
@@ -185,13 +182,13 @@ def evaluate_into(
     else:
         source = chosen = _settings(inspection, settings)
         ids = chosen.ids
-    names = _wanted(columns, method) if path is not None else ()
+    wanted = _wanted(columns, method)
     threads = None if isinstance(executor, InProcess) else 1
-    dimensions, job = _job(inspection, source, method, precision, threads, names)
-    size = settings_per_chunk if path is not None else _chunk_size(method, settings_per_chunk)
+    dimensions, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
+    size = _chunk_size(method, settings_per_chunk)
     best: BestRows | None = None
     with (
-        _store(path, inspection, ids, dimensions, job, size, method, precision) as store,
+        _store(path, inspection, ids, dimensions, job, size, method, precision, columns is not None) as store,
         progress.stage(_stage(len(source), method, precision), len(source)) as advance,
     ):
         chunks = chunks_of(source, size)
@@ -206,8 +203,7 @@ def evaluate_into(
                 store.write(chunks[left[at]][0], values)
             best = _merged(best, found)
             advance(chunks[left[at]][1] - chunks[left[at]][0])
-    if best is None:
-        best = table_chunk(job, (0, 0))[0]
+    assert best is not None  # there is at least one chunk
     named = tuple(dimension.id for dimension in dimensions)
     return Evaluation(len(source), ids, named, best, inspection.requirement.probability)
 
@@ -242,9 +238,14 @@ def _wanted(columns: Sequence[str] | None, method: Method) -> tuple[str, ...]:
     known = (*COLUMNS, *(_OPTIONAL if method == "monte-carlo" else _OPTIONAL[:1]), "gauge")
     if columns is None:
         return known
-    unknown = [name for name in columns if name not in known]
-    if unknown or not columns:
-        raise InputError("no such column", key="columns", got=", ".join(unknown), expected=", ".join(known))
+    expected = ", ".join(known)
+    if not any(columns):
+        raise InputError("no column is named", key="columns", got=", ".join(columns), expected=expected)
+    for k, name in enumerate(columns):
+        if name not in known:
+            raise InputError("no such column", key="columns", got=name, expected=expected)
+        if name in columns[:k]:
+            raise InputError("a column is named twice", key="columns", got=name, expected="each once")
     return tuple(name for name in known if name in columns)
 
 
@@ -272,6 +273,7 @@ def _store(
     size: int,
     method: Method,
     precision: float,
+    asked_for: bool,
 ) -> Iterator[TableStore | None]:
     if path is None:
         yield None
@@ -282,7 +284,7 @@ def _store(
         if name in _NAMES:
             return Column(name, "name", _NAMES[name])
         if name == "gauge":
-            return Column(name, "whole", in_rows=False)
+            return Column(name, "whole", in_rows=asked_for)  # in rows of no use to most
         return Column(name, "flag" if name in _FLAGS else "real")
 
     attrs = _attributes(inspection, method, precision)
@@ -297,27 +299,14 @@ def _store(
         },
         attrs=attrs,
     )
-    with open_table(path, layout, _fingerprint(inspection, job, layout)) as store:
+    fingerprint = job_fingerprint(inspection, job.evaluation, size, layout.columns, sorted(attrs.items()))
+    with open_table(path, layout, fingerprint) as store:
         yield store
 
 
 def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
     writer = getattr(store, "writer", None)
     return job if writer is None else replace(job, writer=writer())
-
-
-def _fingerprint(inspection: Inspection, job: TableJob, layout: TableLayout) -> str:
-    """All that the content of a table depends on."""
-    i, source = inspection, job.evaluation.source
-    said = [version("viewgauge"), layout.chunk_settings, layout.columns, layout.dimension_ids, layout.attrs, i.seed]
-    said += [sorted(i.inputs.items()), i.camera, i.requirement, i.candidates, i.limits, len(source)]
-    digest = hashlib.sha256(repr(said).encode())
-    for array in (i.head.covariance, np.asarray(i.head.T_camera_head)):
-        digest.update(array.tobytes())
-    if isinstance(source, ExplicitSettings):
-        digest.update(source.T_part_camera.tobytes())
-        digest.update("\n".join(source.ids).encode())
-    return digest.hexdigest()
 
 
 def _settings(inspection: Inspection, settings: _Settings) -> ExplicitSettings:
@@ -327,14 +316,14 @@ def _settings(inspection: Inspection, settings: _Settings) -> ExplicitSettings:
                 "no settings to evaluate", hint="give a settings file (CSV), or name one in candidates.settings"
             )
         return inspection.settings
-    if isinstance(settings, ExplicitSettings):
-        return settings
     if isinstance(settings, str | PathLike):
         return ExplicitSettings(*read_settings(settings))
-    poses = require_poses(settings, "settings").reshape(-1, 4, 4)
-    if not len(poses):
+    if not isinstance(settings, ExplicitSettings):
+        poses = require_poses(settings, "settings").reshape(-1, 4, 4)
+        settings = ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
+    if not len(settings):
         raise InputError("no settings to evaluate", key="settings", got="no pose", expected="at least one")
-    return ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
+    return settings
 
 
 def _sampled(inspection: Inspection) -> tuple[SettingSource, Sequence[str]]:

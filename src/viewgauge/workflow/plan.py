@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +32,7 @@ from ..planning import (
 from .chunks import (
     DEFAULT_PRECISION,
     SETTINGS_PER_CHUNK,
+    Chunk,
     Corrections,
     EvaluationJob,
     SettingSource,
@@ -40,13 +40,18 @@ from .chunks import (
     best_chunk,
     chunks_of,
     evaluator_of,
+    require_chunk_size,
     simulate_pairs,
 )
 from .execution import Executor, InProcess
+from .fingerprint import job_fingerprint
 from .inspection import Inspection
 from .progress import Progress, Silent
 
 __all__ = ["plan"]
+
+_Result = TypeVar("_Result")
+_Arrays = Mapping[str, NDArray[np.generic]]
 
 _WORTH_A_JOURNAL = 8
 """Chunks from which on a job is not begun anew when it is started again."""
@@ -93,70 +98,62 @@ def plan(
         if seed < 0:
             raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
         inspection = replace(inspection, seed=seed)
-    if settings_per_chunk < 1:
-        raise InputError(
-            "a chunk has no setting", key="chunk", got=settings_per_chunk, expected="a whole number from 1 on"
-        )
+    require_chunk_size(settings_per_chunk)
     dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     unusable = (*inspection.part.unusable, *refused)
     if not dimensions:
         return Plan(inspection.seed, (), tuple(not_measurable(unusable)), lower_bound=0, candidate_count=0)
-    search = _Search(inspection, dimensions, executor, settings_per_chunk, progress)
-    kept = search.kept(journal)
-    choice = _Choice(inspection, search.job, dimensions, kept, progress)
-    cover, table = choice.made()
-    met = assigned_setting(table, inspection.requirement.probability) >= 0
+    threads = None if isinstance(executor, InProcess) else 1
+    job = EvaluationJob.of(inspection, dimensions, _candidates(inspection, dimensions), threads=threads)
+    chunks = chunks_of(job.source, settings_per_chunk)
+    with _opened(journal if len(chunks) >= _WORTH_A_JOURNAL else None, inspection, job, settings_per_chunk) as notes:
+        search = _Search(job, chunks, executor, notes, progress)
+        choice = _Choice(inspection, job, dimensions, search.kept(), progress)
+        cover, table = choice.made()
+        met = assigned_setting(table, inspection.requirement.probability) >= 0
+        best = search.best([j for j in range(len(dimensions)) if not met[j]], choice.corrections)
+        if notes:
+            notes.discard()
     explicit = inspection.settings
     return compose_plan(
         table,
         choice.poses(cover.chosen),
         [explicit.ids[k] if explicit else f"S{n}" for n, k in enumerate(cover.chosen, start=1)],
-        search.best([j for j in range(len(dimensions)) if not met[j]], choice.corrections),
+        best,
         dimensions,
         unusable,
         inspection.requirement,
         lower_bound=cover.lower_bound,
-        candidate_count=len(search.job.source),
+        candidate_count=len(job.source),
         seed=inspection.seed,
     )
 
 
 class _Search:
-    """Passes over all candidates."""
+    """Passes over all candidates; with a journal each goes on where an earlier process was stopped."""
 
     def __init__(
         self,
-        inspection: Inspection,
-        dimensions: tuple[Dimension, ...],
+        job: EvaluationJob,
+        chunks: Sequence[Chunk],
         executor: Executor,
-        settings_per_chunk: int,
+        notes: ChunkJournal | None,
         progress: Progress,
     ) -> None:
-        self._inspection, self._dimensions = inspection, dimensions
-        self._executor, self._settings_per_chunk, self._progress = executor, settings_per_chunk, progress
-        threads = None if isinstance(executor, InProcess) else 1
-        self.job = EvaluationJob.of(inspection, dimensions, _candidates(inspection, dimensions), threads=threads)
-        """What all chunks share."""
+        self._job, self._chunks, self._executor = job, chunks, executor
+        self._notes, self._progress = notes, progress
+        self._passes = 0
 
-    def kept(self, journal: str | PathLike[str] | None) -> Undominated:
+    def kept(self) -> Undominated:
         """The candidates that a cover may need."""
-        chunks, kept = chunks_of(self.job.source, self._settings_per_chunk), Undominated(len(self._dimensions))
-        with (
-            _opened(journal if len(chunks) >= _WORTH_A_JOURNAL else None, self._fingerprint()) as notes,
-            self._progress.stage(f"Evaluating {len(self.job.source)} candidates", len(self.job.source)) as advance,
-        ):
-            done = notes.done() if notes else {}
-            for k, path in done.items():
-                kept.add(**read_entry(path))
-                advance(chunks[k][1] - chunks[k][0])
-            left = [k for k in range(len(chunks)) if k not in done]
-            for at, found in self._executor.run(accepted_chunk, self.job, [chunks[k] for k in left]):
-                if notes:
-                    notes.record(left[at], index=found.index, level=found.level, certain=found.certain)
-                kept.merge(found)
-                advance(chunks[left[at]][1] - chunks[left[at]][0])
-            if notes:
-                notes.discard()
+        kept = Undominated(len(self._job.dimensions))
+
+        def arrays(found: Undominated) -> _Arrays:
+            return {"index": found.index, "level": found.level, "certain": found.certain}
+
+        what = f"Evaluating {len(self._job.source)} candidates"
+        for entry in self._pass(what, accepted_chunk, self._job, arrays):
+            kept.add(**entry)
         return kept
 
     def best(self, unmet: Sequence[int], corrections: Corrections) -> dict[int, tuple[BestRows, int]]:
@@ -166,8 +163,8 @@ class _Search:
         place = {j: k for k, j in enumerate(unmet)}
         these = np.isin(corrections.dimension, list(unmet))
         job = replace(
-            self.job,
-            dimensions=tuple(self._dimensions[j] for j in unmet),
+            self._job,
+            dimensions=tuple(self._job.dimensions[j] for j in unmet),
             corrections=Corrections(
                 corrections.setting[these],
                 np.array([place[j] for j in corrections.dimension[these].tolist()], dtype=np.int64),
@@ -175,26 +172,37 @@ class _Search:
                 corrections.expected_accuracy[these],
             ),
         )
-        chunks = chunks_of(job.source, self._settings_per_chunk)
         rows: BestRows | None = None
-        with self._progress.stage(f"Finding what limits {len(unmet)} dimensions", len(job.source)) as advance:
-            for at, found in self._executor.run(best_chunk, job, chunks):
-                rows = found if rows is None else rows.merged(found)
-                advance(chunks[at][1] - chunks[at][0])
+        what = f"Finding what limits {len(unmet)} dimensions"
+        for entry in self._pass(what, best_chunk, job, BestRows.arrays):
+            found = BestRows.from_arrays(entry)
+            rows = found if rows is None else rows.merged(found)
         assert rows is not None  # there is at least one chunk
         return {j: (rows, place[j]) for j in unmet}
 
-    def _fingerprint(self) -> str:
-        """All that the chunks' results depend on."""
-        i = self._inspection
-        settings = b"" if i.settings is None else i.settings.T_part_camera.tobytes()
-        head = (i.head.covariance.tobytes(), np.asarray(i.head.T_camera_head).tobytes())
-        said = [version("viewgauge"), self._settings_per_chunk, i.seed, sorted(i.inputs.items()), i.camera]
-        said += [i.requirement, i.candidates, i.limits, [d.id for d in self._dimensions]]
-        digest = hashlib.sha256(repr(said).encode())
-        for part in (settings, *head):
-            digest.update(part)
-        return digest.hexdigest()
+    def _pass(
+        self,
+        what: str,
+        function: Callable[[EvaluationJob, Chunk], _Result],
+        job: EvaluationJob,
+        arrays: Callable[[_Result], _Arrays],
+    ) -> Iterator[dict[str, Any]]:
+        """What is found in each chunk, as arrays, in any order."""
+        first, chunks = self._passes * len(self._chunks), self._chunks  # in the journal the passes follow each other
+        self._passes += 1
+        with self._progress.stage(what, len(job.source)) as advance:
+            noted = self._notes.done() if self._notes else {}
+            done = {k: noted[first + k] for k in range(len(chunks)) if first + k in noted}
+            for k, path in done.items():
+                yield read_entry(path)
+                advance(chunks[k][1] - chunks[k][0])
+            left = [k for k in range(len(chunks)) if k not in done]
+            for at, found in self._executor.run(function, job, [chunks[k] for k in left]):
+                entry = dict(arrays(found))
+                if self._notes:
+                    self._notes.record(first + left[at], **entry)
+                yield entry
+                advance(chunks[left[at]][1] - chunks[left[at]][0])
 
 
 def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> SettingSource:
@@ -207,10 +215,13 @@ def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> Se
 
 
 @contextmanager
-def _opened(folder: str | PathLike[str] | None, fingerprint: str) -> Iterator[ChunkJournal | None]:
+def _opened(
+    folder: str | PathLike[str] | None, inspection: Inspection, job: EvaluationJob, settings_per_chunk: int
+) -> Iterator[ChunkJournal | None]:
     if folder is None:
         yield None
         return
+    fingerprint = job_fingerprint(inspection, job, settings_per_chunk)
     with ChunkJournal(folder, fingerprint, target=Path(folder).parent) as notes:
         yield notes
 
@@ -273,7 +284,9 @@ class _Choice:
         )
         kept, level = self._kept, self._kept.level.copy()
         at = np.searchsorted(kept.index, index[row]), dimension
-        found = probability_levels(estimates.probability, self._inspection.requirement.probability)
+        found = probability_levels(
+            estimates.probability, self._inspection.requirement.probability, len(self._job.source)
+        )
         # lowered, never raised: what was found needless stays needless (proof in planning/dominance.py)
         level[at] = np.minimum(level[at], found)
         self._kept = Undominated(len(self._dimensions))
