@@ -108,8 +108,30 @@ def hard_angles() -> str:
     return table(["Largest error at", *(f"{angle:.8g}°" for angle in degrees)], lines)
 
 
+def rates(rows: list[Row]) -> str:
+    """How many a second, and how long each takes."""
+    lines = []
+    for row in rows:
+        each = row["seconds"] / row["count"]
+        flops = f"{row['flops'] / each / 1e9:.1f}" if row.get("flops") else "-"
+        lines.append([row["name"], f"{1 / each:,.3g} {row['unit']}".replace("e+0", "e"), f"{each * 1e9:.3g}", flops])
+    if all(line[-1] == "-" for line in lines):
+        return table(["", "a second", "ns each"], [line[:-1] for line in lines])
+    return table(["", "a second", "ns each", "GFLOP/s"], lines)
+
+
+def stages(rows: list[Row]) -> str:
+    """Seconds of each stage of a job."""
+    lines = [[row["name"], f"{row['seconds']:.3f}", f"{row['seconds'] / row['count'] * 1e6:.2f}"] for row in rows]
+    return table([f"{rows[0]['count']:,} candidates", "seconds", "µs a setting"], lines)
+
+
 SECTIONS: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "law": ("The probability of one allowed error", law),
+    "kernel": ("From setting and gauge to probability", rates),
+    "visibility": ("Visibility", rates),
+    "plan": ("The plan of the example, by stages", stages),
+    "limits": ("What the machine can do", rates),
 }
 """Group of the benchmarks: heading, and the text made of its rows."""
 

@@ -30,3 +30,5 @@ def test_the_report_has_a_row_for_every_way(results):
     assert report.startswith("Machine: ")
     for name in ("array code, one thread", "two threads", "scalar code", "nine terms", "OpenTURNS", "quad", "Monte"):
         assert name in report
+    for name in ("kernel, 2 threads", "NumPy form", "culling, 1 thread", "rays of gauges", "Embree alone", "the plan"):
+        assert name in report

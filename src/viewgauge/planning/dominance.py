@@ -36,7 +36,7 @@ __all__ = ["Undominated", "maximal_rows", "probability_levels"]
 LEVELS = 10_000
 """Levels of probability 1, at the finest."""
 
-_SHARES: tuple[tuple[int, int | None], ...] = ((65_536, None), (1_000_000, 50))
+_SHARES: tuple[tuple[int, int | None], ...] = ((100_000, None), (1_000_000, 50))
 _FEWEST_SHARES = 10
 """Up to how many candidates what lies between the requirement and certainty has how many steps; None: steps of 1e-4."""
 
@@ -51,7 +51,7 @@ def probability_levels(probability: NDArray[np.float64], required: float, candid
 
     The steps are of 1e-4: the model agrees with the exact camera to 1.5e-4, so a finer comparison of two settings
     means nothing. The fewer levels differ, the more settings are found needless; of very many candidates almost none
-    would be, and the search for needless ones, not the evaluation, would take the time. So of more than 65,536 the
+    would be, and the search for needless ones, not the evaluation, would take the time. So of more than 100,000 the
     steps are a fiftieth of what lies between the requirement and certainty, of more than a million a tenth, and never
     finer. The least number of settings does not depend on the steps; the weakest dimension's probability is the best
     to within one. Of two probabilities the greater never has the lower level. Whatever is at least ``required`` has

@@ -1,0 +1,74 @@
+"""What the benchmarks of evaluating and planning work on: the example part, of which any number of views is sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import viewgauge as vg
+from viewgauge.geometry import VIEWS, view_block
+from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.planning import CandidateGrid
+
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "inspection.yaml"
+
+Item = TypeVar("Item")
+
+
+@cache
+def inspection() -> vg.Inspection:
+    """The slotted block: 15 dimensions, 147 gauges."""
+    return vg.load(EXAMPLE)
+
+
+def with_candidates(count: int) -> vg.Inspection:
+    """The example with about ``count`` candidates: more directions, or of few fewer distances and points aimed at."""
+    options = replace(inspection().candidates, distances=3, rolls=2, targets=4)
+    if count < 3000:
+        options = replace(options, distances=2, rolls=1, targets=1)
+    per_direction = options.distances * options.rolls * (options.targets + 1)
+    return replace(inspection(), candidates=replace(options, directions=max(1, round(count / per_direction))))
+
+
+@cache
+def gauges() -> GaugeTable:
+    """The example's gauges."""
+    return GaugeTable.of(inspection().part.dimensions)
+
+
+@cache
+def tolerances() -> NDArray[np.float64]:
+    """``(g,)``: relative tolerance of each gauge."""
+    allowed = [
+        inspection().requirement.allowed_error_mm(d.nominal_mm, d.tolerance_mm) for d in inspection().part.dimensions
+    ]
+    return np.array(allowed, dtype=float)[gauges().dimension] / gauges().length_mm
+
+
+def blocks(settings: int) -> list[NDArray[np.float64]]:
+    """Whole blocks of about this many candidate settings."""
+    i = with_candidates(settings)
+    grid = CandidateGrid(gauges().points, i.part.mesh, i.camera, i.candidates, i.seed)
+    return [view_block(grid.poses(k, k + VIEWS)) for k in range(0, len(grid) - VIEWS + 1, VIEWS)]
+
+
+def on_threads(threads: int, work: Callable[[Item], object], items: Sequence[Item]) -> Callable[[], None]:
+    """A call that does all items on some threads."""
+
+    def run() -> None:
+        if threads == 1:
+            for item in items:
+                work(item)
+            return
+        with ThreadPoolExecutor(threads) as pool:
+            for _ in pool.map(work, items):
+                pass
+
+    return run
