@@ -111,7 +111,7 @@ class Evaluator:
         self._lines = SightLines(gauges, Occluder(mesh))
         self._kernel = ProbabilityKernel(gauges, self._tolerance, camera, error)
         self._columns = PairColumns(gauges, camera, error)
-        self.threads = threads or len(os.sched_getaffinity(0))
+        self.threads = threads or _processors()
 
     @property
     def gauge_count(self) -> int:
@@ -219,6 +219,13 @@ class Evaluator:
         certain = np.zeros(ranked.seen.shape, dtype=bool)
         certain[at] = self._columns.neglected(ranked.views, at[0], ranked.gauge[at]) < _SCREEN
         return Accepted(ranked.probability, certain)
+
+
+def _processors() -> int:
+    """How many this process may use, where the system tells."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager

@@ -30,7 +30,8 @@ class Culling:
     def __init__(self, gauges: GaugeTable, camera: Camera, limits: ObservationLimits) -> None:
         self._points = np.ascontiguousarray(gauges.points)
         self._normals = np.ascontiguousarray(gauges.normals)
-        self._normal_count = (gauges.normals != 0).any(axis=-1).sum(axis=-1)
+        there = (gauges.normals != 0).any(axis=-1)  # what follows the last is padding
+        self._normal_count = (there * np.arange(1, there.shape[-1] + 1)).max(axis=-1, initial=0)
         focal, low = camera.focal_length_mm, limits.margin_px - 0.5
         scale = focal / np.asarray(camera.pixel_pitch_mm)
         centre, high = np.asarray(camera.principal_point), np.asarray(camera.resolution) - 0.5 - limits.margin_px
