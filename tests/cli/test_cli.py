@@ -445,6 +445,127 @@ def test_errors_as_json(capsys):
     assert error["expected"]
 
 
+# --- many settings, many processes ------------------------------------------------------------------------------------
+
+
+def plan(*options):
+    return ["plan", "inspection.yaml", "-o", "out", *options]
+
+
+def evaluate(*options):
+    return ["evaluate", "inspection.yaml", "--settings", "s.csv", *options]
+
+
+def sampled(*options):
+    return ["evaluate", "inspection.yaml", "--sampled", *options]
+
+
+@pytest.mark.parametrize("command", [plan, evaluate])
+@pytest.mark.parametrize(
+    ("options", "telling"),
+    [
+        (["--workers", "0"], "'0' is not a whole number from 1 on"),
+        (["--workers", "-1"], "'-1' is not a whole number from 1 on"),
+        (["--workers", "1.5"], "'1.5' is not a whole number"),
+        (["--workers", "x"], "'x' is not a whole number"),
+        (["--workers", ""], "'' is not a whole number"),
+        (["--workers"], "--workers"),
+        (["--chunk", "0"], "'0' is not a whole number from 1 on"),
+        (["--chunk", "-1"], "'-1' is not a whole number from 1 on"),
+        (["--chunk", "x"], "'x' is not a whole number"),
+        (["--chunk", "1e3"], "'1e3' is not a whole number"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "the scheduler cannot be reached"),
+        (["--scheduler", "garbage"], "the address of a running Dask scheduler"),
+        (["--scheduler", ""], "the scheduler cannot be reached"),
+        (["--scheduler", "tcp://127.0.0.1:9", "--workers", "2"], "exclude each other"),
+    ],
+)
+def test_bad_places_to_run(capsys, command, options, telling):
+    if "reached" in telling or "running" in telling:
+        pytest.importorskip("distributed", reason="Dask is not installed")
+    Path("s.csv").write_text(HEADER + ABOVE)
+    assert telling in refused(capsys, *command(*options))
+    assert sorted(os.listdir()) == ["box.stl", "inspection.yaml", "s.csv"]
+
+
+@pytest.mark.parametrize(
+    ("command", "telling"),
+    [
+        (evaluate("-o", "t.csv", "--columns", "bogus"), "no such column"),
+        (evaluate("--columns", "probability, bogus"), "bogus"),
+        (evaluate("-o", "t.csv", "--columns", ""), "no column is named"),
+        (evaluate("-o", "t.csv", "--columns", "probability,,visible"), "no such column"),
+        (evaluate("-o", "t.csv", "--columns", "probability,probability"), "a column is named twice"),
+        (evaluate("-o", "t.csv", "--columns", "probability_low"), "no such column"),
+        (evaluate("--sampled"), "exclude each other"),
+        (["plan", "inspection.yaml", "-o", "out", "--sampled"], "--sampled"),
+        (sampled("-o", "box.stl/t.zarr"), "there is a file in its place"),
+    ],
+)
+def test_bad_tables(capsys, command, telling):
+    pytest.importorskip("zarr")
+    Path("s.csv").write_text(HEADER + ABOVE)
+    assert telling in refused(capsys, *command)
+    assert sorted(os.listdir()) == ["box.stl", "inspection.yaml", "s.csv"]
+
+
+def test_a_table_in_place_of_a_file(capsys):
+    pytest.importorskip("zarr")
+    Path("t.zarr").write_text("a file")
+    assert "a folder cannot be written where a file is" in refused(capsys, *sampled("-o", "t.zarr"))
+    Path("t.csv").mkdir()
+    assert "a file cannot be written where a folder is" in refused(
+        capsys, *sampled("-o", "t.csv", "--columns", "visible")
+    )
+    assert sorted(os.listdir()) == ["box.stl", "inspection.yaml", "t.csv", "t.zarr"]
+
+
+def test_nothing_measurable_to_sample_for(capsys):
+    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: [-0.1, 0.2] mm", "")
+    write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
+    assert "see viewgauge check" in refused(capsys, *sampled("-o", "t.csv"))
+    assert sorted(os.listdir()) == ["box.stl", "inspection.yaml"]
+
+
+def test_sampled_evaluates_what_a_plan_would_choose_from(capsys):
+    assert main([*plan(), "--json"]) == 0
+    planned = json.loads(capsys.readouterr().out)
+    assert main([*sampled("--chunk", "50", "--json")]) == 0
+    judged = json.loads(capsys.readouterr().out)
+    assert judged["settings"] == planned["candidates"]
+    for dimension in planned["dimensions"]:
+        assert judged["best"][dimension["id"]]["probability"] >= dimension["probability"] - 1e-12
+
+
+@pytest.mark.parametrize("command", ["evaluate", "plan"])
+def test_two_jobs_on_one_target(capsys, command):
+    pytest.importorskip("zarr")
+    pytest.importorskip("fcntl", reason="a POSIX system")
+    from viewgauge.io.journal import ChunkJournal
+
+    Path("out").mkdir()
+    place, arguments = {
+        "evaluate": (Path("out/.t.zarr.partial"), sampled("-o", "out/t.zarr")),
+        "plan": (Path("out/.partial"), plan("--chunk", "10")),
+    }[command]
+    with ChunkJournal(place, "another job"):
+        err = refused(capsys, *arguments)
+    assert "another process is writing this" in err
+    assert f"process {os.getpid()} on" in err
+    assert main(arguments) == 0
+    assert not place.exists()
+
+
+@pytest.mark.parametrize("option", [["--workers", "1"], ["--scheduler", "tcp://127.0.0.1:8786"]])
+def test_without_dask(capsys, monkeypatch, option):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "viewgauge.workflow.cluster", raising=False)
+    monkeypatch.delattr("viewgauge.workflow.cluster", raising=False)
+    Path("s.csv").write_text(HEADER + ABOVE)
+    for command in (plan, evaluate):
+        assert 'pip install "viewgauge[distributed]"' in refused(capsys, *command(*option))
+
+
 # --- as a process -----------------------------------------------------------------------------------------------------
 
 

@@ -9,7 +9,13 @@ from scipy.spatial import cKDTree
 from viewgauge.exceptions import InputError, NoCandidateError
 from viewgauge.geometry import Camera, require_poses
 from viewgauge.part import Mesh
-from viewgauge.planning import CandidateOptions, default_distance_range, sample_settings, spread_directions
+from viewgauge.planning import (
+    CandidateGrid,
+    CandidateOptions,
+    default_distance_range,
+    sample_settings,
+    spread_directions,
+)
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048))
 
@@ -166,3 +172,39 @@ def test_default_distances_scale_with_the_part_and_follow_the_focus():
 def test_bad_options(options, key):
     with pytest.raises(InputError, match=key):
         CandidateOptions(**options)
+
+
+def brute_force(gauges, mesh, options, seed):
+    """Every combination, one after the other, without those whose camera is inside the box."""
+    from viewgauge.geometry import look_at
+    from viewgauge.planning.candidates import _targets
+
+    low, high = mesh.bounds
+    distances = np.geomspace(*options.distance_mm, options.distances)
+    directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
+    poses = []
+    for target in _targets(gauges, options.targets, seed):
+        for distance in distances:
+            for direction in directions:
+                eye = target + distance * direction
+                if all(low[k] <= eye[k] <= high[k] for k in range(3)):
+                    continue
+                poses += [look_at(eye, target, turn * np.pi / options.rolls) for turn in range(options.rolls)]
+    return np.array(poses)
+
+
+@pytest.mark.parametrize("rolls", [1, 3])
+@pytest.mark.parametrize("nearest", [5.0, 30.0, 45.0, 200.0])
+def test_a_grid_in_any_pieces_is_the_whole_without_what_is_inside_the_part(nearest, rolls):
+    options = CandidateOptions(distance_mm=(nearest, 210.0), distances=4, directions=30, rolls=rolls, targets=2)
+    grid = CandidateGrid(GAUGES, box_mesh(), CAMERA, options, 0)
+    expected = brute_force(GAUGES, box_mesh(), options, 0)
+    full = 3 * 4 * 30 * rolls
+    assert len(grid) == len(expected)
+    assert (len(grid) < full) == (nearest < 200)
+    whole = grid.poses(0, len(grid))
+    np.testing.assert_allclose(whole, expected, rtol=0, atol=1e-9)
+    for size in (1, 7, 64, len(grid) - 1, len(grid) + 5):
+        pieces = [grid.poses(first, first + size) for first in range(0, len(grid), size)]
+        np.testing.assert_array_equal(np.concatenate(pieces), whole)
+    assert grid.poses(len(grid), len(grid) + 3).shape == (0, 4, 4)
