@@ -10,6 +10,7 @@ import viewgauge as vg
 PUBLIC = [
     "Camera",
     "CandidateOptions",
+    "Evaluation",
     "InputError",
     "Inspection",
     "InspectionFileError",
@@ -23,7 +24,9 @@ PUBLIC = [
     "check",
     "errors",
     "evaluate",
+    "evaluate_into",
     "load",
+    "open_executor",
     "plan",
     "success_probability",
     "write_evaluation",

@@ -27,10 +27,13 @@ if TYPE_CHECKING:
     from .geometry import Camera, PoseError
     from .planning import CandidateOptions, Plan
     from .workflow import (
+        Evaluation,
         Inspection,
         check,
         evaluate,
+        evaluate_into,
         load,
+        open_executor,
         plan,
         success_probability,
         write_evaluation,
@@ -54,7 +57,19 @@ _HOME = {
         "exceptions",
     ),
     **dict.fromkeys(
-        ("Inspection", "check", "evaluate", "load", "plan", "success_probability", "write_evaluation", "write_plan"),
+        (
+            "Evaluation",
+            "Inspection",
+            "check",
+            "evaluate",
+            "evaluate_into",
+            "load",
+            "open_executor",
+            "plan",
+            "success_probability",
+            "write_evaluation",
+            "write_plan",
+        ),
         "workflow",
     ),
 }
@@ -62,6 +77,7 @@ _HOME = {
 __all__ = [
     "Camera",
     "CandidateOptions",
+    "Evaluation",
     "InputError",
     "Inspection",
     "InspectionFileError",
@@ -75,7 +91,9 @@ __all__ = [
     "check",
     "errors",
     "evaluate",
+    "evaluate_into",
     "load",
+    "open_executor",
     "plan",
     "success_probability",
     "write_evaluation",
