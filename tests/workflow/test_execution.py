@@ -295,6 +295,31 @@ def test_an_interrupt_from_the_keyboard_ends_all_without_a_word(tmp_path):
     assert_ends(job.pid)
 
 
+def test_an_interrupt_inside_dask_is_not_lost():
+    pytest.importorskip("distributed", reason="Dask is not installed")
+    from viewgauge.workflow.cluster import _interrupts_afterwards
+
+    class Ended:
+        """What is raised in a destructor is told on the error stream and forgotten."""
+
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    def work():
+        with _interrupts_afterwards():
+            Ended()
+            reached.append(True)
+
+    reached, before = [], signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert reached
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def assert_ends(group):
     """All processes of a group end within a while."""
     deadline = time.monotonic() + 10

@@ -195,6 +195,23 @@ class Cluster:
 
 
 @contextmanager
+def _interrupts_afterwards() -> Iterator[None]:
+    """SIGINT is raised when the block ends: inside Dask it may meet a destructor, where Python tells and forgets it."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    came: list[Any] = []
+    signal.signal(signal.SIGINT, lambda *what: came.append(what))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        before(*came[0])
+
+
+@contextmanager
 def _connection() -> Iterator[None]:
     """The errors that Dask has where its scheduler is gone as one that tells so."""
     try:
@@ -224,15 +241,11 @@ class _Job(Generic[Item]):
     def results(self) -> Iterator[tuple[int, Any]]:
         self._seen_workers = time.monotonic()
         while True:
-            with _connection():
-                done = self._done() if self._send() else None
-            if done is None:
+            with _connection(), _interrupts_afterwards():
+                outcomes = self._outcomes()
+            if outcomes is None:
                 return
-            for future in done:
-                index = self._under_way.pop(future)
-                with _connection():
-                    error, traceback = future.exception(), future.traceback()
-                    result = future.result() if error is None else None
+            for index, error, traceback, result in outcomes:
                 if error is None:
                     yield index, result
                 elif isinstance(error, distributed.KilledWorker):
@@ -241,6 +254,19 @@ class _Job(Generic[Item]):
                     raise error.with_traceback(None)  # a message for people, without its way through the worker
                 else:
                     raise error.with_traceback(traceback)
+
+    def _outcomes(self) -> list[tuple[int, Any, Any, Any]] | None:
+        """Index, error, its traceback and result of what is done: something, unless nothing was for a while; or None.
+
+        None: all is done. No future lives on, as its end is a message to the scheduler.
+        """
+        if not self._send():
+            return None
+        outcomes = []
+        for future in self._done():
+            index, error = self._under_way.pop(future), future.exception()
+            outcomes.append((index, error, future.traceback(), future.result() if error is None else None))
+        return outcomes
 
     def cancel(self) -> None:
         """Take back what is under way; what a worker is at, it ends."""
