@@ -191,6 +191,17 @@ def test_a_job_begins_while_a_worker_is_being_lost(two_workers):
         np.testing.assert_array_equal(results(two_workers), results(InProcess()))
 
 
+def end_own_process_from_1_on(_, item):
+    if item > 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return item
+
+
+def test_where_all_items_kill_their_workers_not_all_are_tried_to_the_end(two_workers):
+    with pytest.raises(ViewgaugeError, match=r"ended the worker process each time it was tried; so did 2 others"):
+        list(two_workers.run(end_own_process_from_1_on, None, list(range(6))))
+
+
 @dataclass(frozen=True)
 class Written:
     """A table of two columns that workers fill."""

@@ -5,7 +5,7 @@ also that join later or replace a lost one. (Scattered data is lost with the wor
 lost, Dask runs its chunks again elsewhere. A chunk whose workers were lost more than ``allowed-failures`` times
 (Dask's setting; 1 in a cluster started here, 3 by default) may be what kills them, or may have waited behind the one
 that does: it is set aside until all others are done, and run once more with nothing beside it. If its workers are
-lost again, it is to blame, and named.
+lost again, it is to blame, and named when the others have had their turn, or two more are to blame.
 """
 
 from __future__ import annotations
@@ -45,6 +45,7 @@ _COMMON_S = 120.0  # for what is common to arrive at a worker that joined
 _LOOK_S = 1.0  # between two looks at how many workers there are
 _RETRY_S = 0.2
 _DELIVER_S = 60.0  # to give the workers what is common, while some of them are being lost
+_GUILTY = 3  # items that end their workers, after which no more are tried
 _AHEAD = 2  # chunks under way for each thread of the workers: one runs, one waits
 _QUIET = ("distributed", "distributed.client", "distributed.nanny", "distributed.scheduler", "distributed.worker")
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -234,6 +235,7 @@ class _Job(Generic[Item]):
         self._under_way: dict[Any, int] = {}
         self._suspects: deque[int] = deque()
         self._accused: int | None = None
+        self._guilty: list[int] = []
         self._attempts = itertools.count()
         self._threads = 1
         self._looked = self._seen_workers = float("-inf")
@@ -244,6 +246,8 @@ class _Job(Generic[Item]):
             with _connection(), _interrupts_afterwards():
                 outcomes = self._outcomes()
             if outcomes is None:
+                if self._guilty:
+                    raise self._told()
                 return
             for index, error, traceback, result in outcomes:
                 if error is None:
@@ -311,13 +315,21 @@ class _Job(Generic[Item]):
             raise ViewgaugeError(f"all workers are lost, and none came for {_ALL_LOST_S:g} s")
 
     def _suspect(self, index: int) -> None:
-        if index == self._accused:
-            raise ViewgaugeError(
-                f"item {index} of {len(self._items)} ({_short(self._items[index])}) ended the worker process each time "
-                "it was tried; all others are done\n"
-                "  hint:     give the workers more memory, or the job smaller chunks"
-            )
-        self._suspects.append(index)
+        """One that waited behind another at a lost worker is as suspect: the rest have their turn before it is told."""
+        if index != self._accused:
+            self._suspects.append(index)
+            return
+        self._guilty.append(index)
+        if len(self._guilty) == _GUILTY:
+            raise self._told()
+
+    def _told(self) -> ViewgaugeError:
+        first, others = self._guilty[0], len(self._guilty) - 1
+        rest = f"so did {others} others" if others else "all others are done"
+        return ViewgaugeError(
+            f"item {first} of {len(self._items)} ({_short(self._items[first])}) ended the worker process each time "
+            f"it was tried; {rest}\n  hint:     give the workers more memory, or the job smaller chunks"
+        )
 
 
 @dataclass(frozen=True)
