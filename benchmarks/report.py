@@ -132,6 +132,7 @@ SECTIONS: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "visibility": ("Visibility", rates),
     "plan": ("The plan of the example, by stages", stages),
     "limits": ("What the machine can do", rates),
+    "tried": ("phi and Phi, ways tried", rates),
 }
 """Group of the benchmarks: heading, and the text made of its rows."""
 
