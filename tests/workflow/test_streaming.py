@@ -6,6 +6,7 @@ import importlib.util
 import json
 import os
 import signal
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -299,6 +300,21 @@ def test_a_doubtful_pair_that_the_exact_camera_refutes_is_chosen_again(
     for workers, chunk in ((0, 1), (0, 7), (2, 5)):
         folder = tmp_path / f"{workers} {chunk}"
         assert plan_bytes(inspection, folder, executor=executors[workers], settings_per_chunk=chunk) == whole
+
+
+def test_where_nearly_all_is_doubtful_few_choices_are_made(tmp_path, monkeypatch):
+    importlib.import_module("viewgauge.workflow.plan")  # the package has a function of that name
+    module, rounds = sys.modules["viewgauge.workflow.plan"], []
+    real = module.choose_settings
+    monkeypatch.setattr(module, "choose_settings", lambda kept: rounds.append(len(kept)) or real(kept))
+    inspection = write_inspection(
+        tmp_path,
+        head="{translation: 25 mm, rotation: 5 deg}",
+        requirement="{accuracy: 0.75, probability: 0.985}",
+    )
+    plan = workflow.plan(inspection)
+    assert all(d.warning for d in plan.dimensions if d.status == "met")
+    assert 2 < len(rounds) < 20, "ever more of the surest are looked into each time round; one by one takes about 70"
 
 
 # --- lost workers -----------------------------------------------------------------------------------------------------
