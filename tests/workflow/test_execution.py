@@ -288,11 +288,12 @@ def test_an_interrupt_from_the_keyboard_ends_all_without_a_word(tmp_path):
     pytest.importorskip("distributed", reason="Dask is not installed")
     script = tmp_path / "job.py"
     script.write_text(
-        "import time\n"
+        "import signal, time\n"
         "from viewgauge.workflow.execution import open_executor\n"
         "def slow(_, item):\n"
         "    time.sleep(item)\n"
         "if __name__ == '__main__':\n"
+        "    signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a test run in the background ignores it
         "    try:\n"
         "        with open_executor(workers=1) as executor:\n"
         "            for _ in executor.run(slow, None, [0, 60]):\n"
