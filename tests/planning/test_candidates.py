@@ -13,7 +13,6 @@ from viewgauge.planning import (
     CandidateGrid,
     CandidateOptions,
     default_distance_range,
-    sample_settings,
     spread_directions,
 )
 
@@ -34,7 +33,8 @@ GAUGES = np.array(
 
 
 def sample(gauges=GAUGES, seed=0, camera=CAMERA, mesh=None, **options):
-    return sample_settings(gauges, mesh or box_mesh(), camera, CandidateOptions(**options), seed)
+    grid = CandidateGrid(gauges, mesh or box_mesh(), camera, CandidateOptions(**options), seed)
+    return grid.poses(0, len(grid))
 
 
 @pytest.mark.parametrize("count", [20, 200, 1000])

@@ -18,6 +18,7 @@ from viewgauge.geometry import invert, look_at, transform
 from viewgauge.io.settings import read_settings, write_settings
 from viewgauge.simulation import estimate_success_probability
 from viewgauge.workflow import describe_plan
+from viewgauge.workflow.chunks import candidate_grid
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slotted_block"
 IDS = [*(f"E{k}" for k in (1, 3, 4, 2, *range(5, 14))), "E14/1", "E14/2"]
@@ -76,10 +77,8 @@ def test_the_plan_meets_every_dimension_with_the_proven_fewest_settings(plan):
 
 def test_no_single_candidate_measures_everything(inspection, plan):
     """The lower bound, by the table itself: no row of it is accepted throughout."""
-    from viewgauge.planning import sample_settings
-
-    points = np.concatenate([[(g.start, g.end) for g in d.gauges] for d in inspection.part.dimensions])
-    poses = sample_settings(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+    grid = candidate_grid(inspection, inspection.part.dimensions)
+    poses = grid.poses(0, len(grid))
     assert len(poses) == plan.candidate_count
     accepted = vg.evaluate(inspection, poses)["accepted"].values
     assert accepted.any(axis=0).all()

@@ -4,7 +4,7 @@ from .best_rows import BestRows
 from .evaluator import Accepted, Evaluator, TableBlock
 from .requirement import Requirement
 from .segment import SegmentImage, image_segment, success_probability
-from .table import COLUMNS, as_dataset, evaluate_settings
+from .table import COLUMNS, as_dataset
 from .validity import WARNINGS, probability_error, validity
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "SegmentImage",
     "TableBlock",
     "as_dataset",
-    "evaluate_settings",
     "image_segment",
     "probability_error",
     "success_probability",

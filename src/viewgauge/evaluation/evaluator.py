@@ -113,32 +113,18 @@ class Evaluator:
         self._columns = PairColumns(gauges, camera, error)
         self.threads = threads or _processors()
 
-    @property
-    def gauge_count(self) -> int:
-        """Number of gauges: the kernel evaluates this many pairs for each setting."""
-        return len(self._gauges)
+    def table(self, T_part_camera: NDArray[np.float64]) -> TableBlock:
+        """The table of settings ``(n, 4, 4)`` mm."""
+        return self._each_block(self._table_block, T_part_camera)
 
-    def table(self, T_part_camera: NDArray[np.float64], progress: Callable[[int], None] | None = None) -> TableBlock:
-        """The table of settings ``(n, 4, 4)`` mm; ``progress`` is told how many more are done."""
-        return self._each_block(self._table_block, T_part_camera, progress)
-
-    def accepted(self, T_part_camera: NDArray[np.float64], progress: Callable[[int], None] | None = None) -> Accepted:
+    def accepted(self, T_part_camera: NDArray[np.float64]) -> Accepted:
         """Only what is accepted, of settings ``(n, 4, 4)`` mm: rays are cast for nothing else."""
-        return self._each_block(self._accepted_block, T_part_camera, progress)
+        return self._each_block(self._accepted_block, T_part_camera)
 
-    def _each_block(
-        self,
-        work: Callable[[NDArray[np.float64]], _Block],
-        T_part_camera: NDArray[np.float64],
-        progress: Callable[[int], None] | None,
-    ) -> _Block:
+    def _each_block(self, work: Callable[[NDArray[np.float64]], _Block], T_part_camera: NDArray[np.float64]) -> _Block:
         blocks = [T_part_camera[k : k + VIEWS] for k in range(0, len(T_part_camera), VIEWS)] or [T_part_camera]
-        results = []
         with _mapped(self.threads, work, blocks) as done:
-            for block, result in zip(blocks, done, strict=True):
-                results.append(result)
-                if progress:
-                    progress(len(block))
+            results = list(done)
         joined = (np.concatenate([getattr(r, f.name) for r in results]) for f in fields(results[0]))
         return type(results[0])(*joined)
 

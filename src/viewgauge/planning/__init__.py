@@ -1,6 +1,6 @@
 """Which settings to use: candidates around the part, and the fewest of them that measure everything."""
 
-from .candidates import CandidateGrid, default_distance_range, sample_settings, spread_directions
+from .candidates import CandidateGrid, default_distance_range, spread_directions
 from .cover import Cover, minimum_cover, surest_minimum_cover
 from .dominance import Undominated, probability_levels
 from .options import CandidateOptions
@@ -22,7 +22,6 @@ __all__ = [
     "minimum_cover",
     "not_measurable",
     "probability_levels",
-    "sample_settings",
     "spread_directions",
     "surest_minimum_cover",
     "without_allowed_error",

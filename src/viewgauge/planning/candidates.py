@@ -13,7 +13,7 @@ from ..geometry import Camera, look_at
 from ..part import Mesh
 from .options import CandidateOptions
 
-__all__ = ["CandidateGrid", "default_distance_range", "sample_settings", "spread_directions"]
+__all__ = ["CandidateGrid", "default_distance_range", "spread_directions"]
 
 _GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 
@@ -119,14 +119,6 @@ class CandidateGrid:
             _, eyes = self._aim_and_eyes(np.arange(k * directions, (k + 1) * directions))
             inside.append(k * directions + np.flatnonzero(((eyes >= low) & (eyes <= high)).all(axis=1)))
         return np.concatenate(inside)
-
-
-def sample_settings(
-    gauge_points: NDArray[np.float64], mesh: Mesh, camera: Camera, options: CandidateOptions, seed: int
-) -> NDArray[np.float64]:
-    """All poses ``T_part_camera`` ``(n, 4, 4)`` mm of a :class:`CandidateGrid`; parameters as there."""
-    grid = CandidateGrid(gauge_points, mesh, camera, options, seed)
-    return grid.poses(0, len(grid))
 
 
 def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:

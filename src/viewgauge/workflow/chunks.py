@@ -15,7 +15,8 @@ from ..evaluation.segment import FirstOrderMethod
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, invert, transform
 from ..part import Dimension, Mesh
-from ..planning import Undominated, probability_levels
+from ..part.gauge_table import GaugeTable
+from ..planning import CandidateGrid, Undominated, probability_levels
 from ..visibility import ObservationLimits
 from .inspection import Inspection
 
@@ -34,6 +35,7 @@ __all__ = [
     "TableJob",
     "accepted_chunk",
     "best_chunk",
+    "candidate_grid",
     "chunks_of",
     "evaluator_of",
     "require_chunk_size",
@@ -131,6 +133,12 @@ def evaluator_of(job: EvaluationJob) -> Evaluator:
     return Evaluator(
         job.dimensions, job.mesh, job.camera, job.head, job.requirement, job.limits, job.method, job.threads
     )
+
+
+def candidate_grid(inspection: Inspection, dimensions: Sequence[Dimension]) -> CandidateGrid:
+    """The candidates that an inspection samples to measure some dimensions."""
+    points = GaugeTable.of(dimensions).points
+    return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
 
 
 def chunks_of(source: SettingSource, size: int) -> list[Chunk]:

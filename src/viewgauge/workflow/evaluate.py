@@ -17,8 +17,7 @@ from ..exceptions import InputError, NoCandidateError
 from ..geometry import Camera, PoseError, require_poses
 from ..io.settings import read_settings
 from ..part import Dimension
-from ..part.gauge_table import GaugeTable
-from ..planning import CandidateGrid, without_allowed_error
+from ..planning import without_allowed_error
 from ..visibility import REASONS
 from .chunks import (
     CONFIDENCE,
@@ -27,6 +26,7 @@ from .chunks import (
     EvaluationJob,
     SettingSource,
     TableJob,
+    candidate_grid,
     chunks_of,
     evaluator_of,
     require_chunk_size,
@@ -330,8 +330,7 @@ def _sampled(inspection: Inspection) -> tuple[SettingSource, Sequence[str]]:
     dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     if not dimensions:
         raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
-    points = GaugeTable.of(dimensions).points
-    grid = CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+    grid = candidate_grid(inspection, dimensions)
     return grid, _Numbered(len(grid))
 
 

@@ -16,9 +16,7 @@ from ..evaluation import BestRows, TableBlock
 from ..exceptions import InputError, NoCandidateError
 from ..io.journal import ChunkJournal, read_entry
 from ..part import Dimension
-from ..part.gauge_table import GaugeTable
 from ..planning import (
-    CandidateGrid,
     Cover,
     Plan,
     Undominated,
@@ -38,6 +36,7 @@ from .chunks import (
     SettingSource,
     accepted_chunk,
     best_chunk,
+    candidate_grid,
     chunks_of,
     evaluator_of,
     require_chunk_size,
@@ -210,8 +209,7 @@ class _Search:
 
 def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> SettingSource:
     if inspection.settings is None:
-        points = GaugeTable.of(dimensions).points
-        return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+        return candidate_grid(inspection, dimensions)
     if not inspection.settings.ids:
         raise NoCandidateError("no candidate setting is left: the settings file holds none")
     return inspection.settings
