@@ -22,6 +22,7 @@ from viewgauge.exceptions import InputError, ViewgaugeError
 from viewgauge.geometry import invert, transform
 from viewgauge.io.settings import write_settings
 from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.planning.cover import DEFAULT_TIME_LIMIT_S
 from viewgauge.visibility import REASONS
 from viewgauge.workflow.chunks import SETTINGS_PER_CHUNK
 from viewgauge.workflow.execution import InProcess, open_executor
@@ -390,6 +391,7 @@ def test_the_command_line_has_the_default_of_the_workflow():
     from viewgauge.cli import app
 
     assert app._SETTINGS_PER_CHUNK == SETTINGS_PER_CHUNK
+    assert app._TIME_LIMIT_S == DEFAULT_TIME_LIMIT_S
 
 
 def test_the_contract_columns_are_written_first(inspection, poses, tmp_path):

@@ -13,6 +13,7 @@ from ..part import Dimension, Unusable
 from .cause import limiting_cause
 from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
 from .dominance import Undominated
+from .refinement import Refinement
 from .result import Plan, PlannedDimension, PlannedSetting
 
 __all__ = ["assigned_setting", "choose_settings", "compose_plan", "not_measurable", "without_allowed_error"]
@@ -32,7 +33,7 @@ def without_allowed_error(
     return tuple(judged), tuple(refused)
 
 
-def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
+def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0) -> Cover:
     """The fewest settings that measure every dimension that some kept candidate measures; of those the surest.
 
     Returns
@@ -40,7 +41,7 @@ def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_
     The cover, of the settings' indices.
     """
     reachable = kept.level.any(axis=0)
-    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s)
+    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s, gap)
     return Cover(tuple(int(k) for k in kept.index[list(cover.chosen)]), cover.lower_bound)
 
 
@@ -69,6 +70,7 @@ def compose_plan(
     lower_bound: int,
     candidate_count: int,
     seed: int,
+    refinement: Refinement | None = None,
 ) -> Plan:
     """The plan of K chosen settings.
 
@@ -102,6 +104,7 @@ def compose_plan(
         dimensions=(*planned, *not_measurable(unusable)),
         lower_bound=lower_bound,
         candidate_count=candidate_count,
+        refinement=refinement,
     )
 
 

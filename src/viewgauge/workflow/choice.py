@@ -30,9 +30,15 @@ class Choice:
         dimensions: tuple[Dimension, ...],
         kept: Undominated,
         progress: Progress,
+        time_limit_s: float,
+        gap: float,
     ) -> None:
         self._inspection, self._job, self._dimensions = inspection, job, dimensions
-        self._kept, self._progress = kept, progress
+        self._progress, self._time_limit_s, self._gap = progress, time_limit_s, gap
+        self.kept = kept
+        """The candidates to choose from, with the levels as they are known."""
+        self.interrupted = False
+        """Somebody stopped the search: what was found so far was chosen."""
         self.corrections = Corrections()
         """What the exact camera said of pairs."""
 
@@ -41,7 +47,7 @@ class Choice:
         ahead = 0
         while True:  # each time round at least one doubtful pair fewer
             with self._progress.stage("Choosing the fewest settings"):
-                cover = choose_settings(self._kept)
+                cover = self._cover()
             index = np.array(cover.chosen, dtype=np.int64)
             table = self._table(index)
             dimension, row = self._chosen_doubtful(table, index)
@@ -51,6 +57,13 @@ class Choice:
                 # where one is refuted the next choice would be as doubtful: ever more of the surest are looked into
                 self._confirm(np.append(index[row], self._next_in_line(dimension, ahead)))
             ahead = min(2 * ahead + 1, _MOST_AHEAD)
+
+    def _cover(self) -> Cover:
+        try:
+            return choose_settings(self.kept, 0.0 if self.interrupted else self._time_limit_s, self._gap)
+        except KeyboardInterrupt:
+            self.interrupted = True
+            return choose_settings(self.kept, 0.0, self._gap)
 
     def poses(self, chosen: Sequence[int]) -> NDArray[np.float64]:
         """``T_part_camera`` ``(K, 4, 4)`` mm of settings by index."""
@@ -79,11 +92,11 @@ class Choice:
 
     def _next_in_line(self, dimensions: NDArray[np.int64], count: int) -> NDArray[np.int64]:
         """Of each dimension the surest settings that are not beyond doubt and not looked into, by index."""
-        index, level = self._kept.index, self._kept.level
+        index, level = self.kept.index, self.kept.level
         found = [np.zeros(0, np.int64)]
         for j in dimensions:
             known = np.isin(index, self.corrections.setting[self.corrections.dimension == j])
-            open_ = np.flatnonzero((level[:, j] > 0) & ~self._kept.certain[:, j] & ~known)
+            open_ = np.flatnonzero((level[:, j] > 0) & ~self.kept.certain[:, j] & ~known)
             found.append(index[open_[np.argsort(-level[open_, j].astype(int), kind="stable")[:count]]])
         return np.concatenate(found)
 
@@ -102,12 +115,12 @@ class Choice:
             np.append(before.probability, estimates.probability),
             np.append(before.expected_accuracy, estimates.expected_accuracy),
         )
-        kept, level = self._kept, self._kept.level.copy()
+        kept, level = self.kept, self.kept.level.copy()
         at = np.searchsorted(kept.index, index[row]), dimension
         found = probability_levels(
             estimates.probability, self._inspection.requirement.probability, len(self._job.source)
         )
         # lowered, never raised: what was found needless stays needless (proof in planning/dominance.py)
         level[at] = np.minimum(level[at], found)
-        self._kept = Undominated(len(self._dimensions))
-        self._kept.add(kept.index, level, kept.certain)
+        self.kept = Undominated(len(self._dimensions))
+        self.kept.add(kept.index, level, kept.certain)

@@ -12,12 +12,14 @@ from ..exceptions import InputError, NoCandidateError
 from ..io.journal import ChunkJournal
 from ..part import Dimension
 from ..planning import (
+    CandidateGrid,
     Plan,
     assigned_setting,
     compose_plan,
     not_measurable,
     without_allowed_error,
 )
+from ..planning.cover import DEFAULT_TIME_LIMIT_S
 from .candidate_search import CandidateSearch
 from .choice import Choice
 from .chunks import (
@@ -32,6 +34,7 @@ from .execution import Executor, InProcess
 from .fingerprint import job_fingerprint
 from .inspection import Inspection
 from .progress import Progress, Silent
+from .refine import Arrangement, refined
 
 __all__ = ["plan"]
 
@@ -47,6 +50,9 @@ def plan(
     executor: Executor | None = None,
     settings_per_chunk: int = SETTINGS_PER_CHUNK,
     journal: str | PathLike[str] | None = None,
+    refine: bool = True,
+    time_limit_s: float = DEFAULT_TIME_LIMIT_S,
+    gap: float = 0.0,
 ) -> Plan:
     """The fewest sensor settings that measure every dimension as accurately and as surely as required.
 
@@ -55,6 +61,11 @@ def plan(
     probability is found with the exact camera, and the choice is made again with it, until all that is stated is
     either without warning or confirmed (``PlannedDimension.warning`` keeps the name). A pair that only the exact
     camera would accept is not looked for.
+
+    Then the settings are refined over all poses that the region allows: fewer where that is possible, and surer
+    (:class:`~viewgauge.planning.Refiner`). Explicit settings are the only ones there are, and are not refined.
+
+    Ctrl-C while settings are chosen or refined ends that step: the plan is the best so far, with its gap.
 
     Parameters
     ----------
@@ -67,11 +78,18 @@ def plan(
     journal
         A folder in which the chunks that are done are noted, so that the same job, if it is stopped, goes on where
         it was; it is taken away at the end.
+    refine
+        False for the best of the candidates as they are.
+    time_limit_s
+        Of the search for the fewest settings, of that for the surest, and of the refinement, each; the best so far
+        counts. Only a search that is cut off may differ from run to run.
+    gap
+        The search for the fewest ends when the lower bound is within this share of their number.
 
     Raises
     ------
     InputError
-        If the seed is negative, or a chunk has no setting.
+        If the seed or the time limit is negative, the gap is not a share, or a chunk has no setting.
     NoCandidateError
         If there is no candidate setting to choose from.
     """
@@ -81,6 +99,7 @@ def plan(
             raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
         inspection = replace(inspection, seed=seed)
     require_chunk_size(settings_per_chunk)
+    _require_limits(time_limit_s, gap)
     dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     unusable = (*inspection.part.unusable, *refused)
     if not dimensions:
@@ -90,25 +109,39 @@ def plan(
     chunks = chunks_of(job.source, settings_per_chunk)
     with _opened(journal if len(chunks) >= _WORTH_A_JOURNAL else None, inspection, job, settings_per_chunk) as notes:
         search = CandidateSearch(job, chunks, executor, notes, progress)
-        choice = Choice(inspection, job, dimensions, search.kept(), progress)
+        choice = Choice(inspection, job, dimensions, search.kept(), progress, time_limit_s, gap)
         cover, table = choice.made()
         met = assigned_setting(table, inspection.requirement.probability) >= 0
         best = search.best([j for j in range(len(dimensions)) if not met[j]], choice.corrections)
+        arrangement = Arrangement(choice.poses(cover.chosen), table, best, cover.lower_bound)
+        if refine and isinstance(job.source, CandidateGrid) and not choice.interrupted:
+            with progress.stage("Refining the settings"):
+                arrangement = refined(job, choice, arrangement, seed=inspection.seed, time_limit_s=time_limit_s)
         if notes:
             notes.discard()
     explicit = inspection.settings
     return compose_plan(
-        table,
-        choice.poses(cover.chosen),
-        [explicit.ids[k] if explicit else f"S{n}" for n, k in enumerate(cover.chosen, start=1)],
-        best,
+        arrangement.table,
+        arrangement.T_part_camera,
+        [explicit.ids[k] if explicit else f"S{n}" for n, k in enumerate(cover.chosen, start=1)]
+        if arrangement.refinement is None
+        else [f"S{n}" for n in range(1, len(arrangement.T_part_camera) + 1)],
+        arrangement.best,
         dimensions,
         unusable,
         inspection.requirement,
-        lower_bound=cover.lower_bound,
+        lower_bound=arrangement.lower_bound,
         candidate_count=len(job.source),
         seed=inspection.seed,
+        refinement=arrangement.refinement,
     )
+
+
+def _require_limits(time_limit_s: float, gap: float) -> None:
+    if not time_limit_s >= 0:
+        raise InputError("not a time", key="time limit", got=time_limit_s, expected="seconds, 0 or more")
+    if not 0 <= gap < 1:
+        raise InputError("not a gap", key="gap", got=gap, expected="a share from 0 on and below 1, such as 0.1")
 
 
 def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> SettingSource:
