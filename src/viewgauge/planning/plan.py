@@ -15,6 +15,7 @@ from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
 from .dominance import Undominated
 from .refinement import Refinement
 from .result import Plan, PlannedDimension, PlannedSetting
+from .travel import shortest_tour
 
 __all__ = ["assigned_setting", "choose_settings", "compose_plan", "not_measurable", "without_allowed_error"]
 
@@ -71,6 +72,7 @@ def compose_plan(
     candidate_count: int,
     seed: int,
     refinement: Refinement | None = None,
+    fixed_names: bool = False,
 ) -> Plan:
     """The plan of K chosen settings.
 
@@ -79,12 +81,17 @@ def compose_plan(
     table
         ``(K, d)``: of the chosen settings and all dimensions.
     T_part_camera, names
-        ``(K, 4, 4)`` mm, and K names.
+        ``(K, 4, 4)`` mm, and K names; they are put in the order of the shortest tour through the settings.
+    fixed_names
+        A name goes with its setting; else they are given in the order of the tour.
     best
         For each dimension that is not met the best rows of all candidates, and its place in them.
     unusable
         What cannot be measured, for the record.
     """
+    order = list(shortest_tour(T_part_camera[:, :3, 3])[0])
+    table = TableBlock(*(getattr(table, f.name)[order] for f in fields(table)))
+    T_part_camera, names = T_part_camera[order], [names[k] for k in order] if fixed_names else names
     setting = assigned_setting(table, requirement.probability)
     observes: list[list[str]] = [[] for _ in names]
     planned = []

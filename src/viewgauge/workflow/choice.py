@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..evaluation import TableBlock
 from ..part import Dimension
 from ..planning import Cover, Undominated, assigned_setting, choose_settings, probability_levels
+from ..planning.travel import least_travel
 from .chunks import DEFAULT_PRECISION, Corrections, EvaluationJob, evaluator_of, simulate_pairs
 from .inspection import Inspection
 from .progress import Progress
@@ -52,7 +54,7 @@ class Choice:
             table = self._table(index)
             dimension, row = self._chosen_doubtful(table, index)
             if not len(dimension):
-                return cover, table
+                return self._travelled(cover)
             with self._progress.stage("Confirming what the small-error model does not answer for"):
                 # where one is refuted the next choice would be as doubtful: ever more of the surest are looked into
                 self._confirm(np.append(index[row], self._next_in_line(dimension, ahead)))
@@ -64,6 +66,18 @@ class Choice:
         except KeyboardInterrupt:
             self.interrupted = True
             return choose_settings(self.kept, 0.0, self._gap)
+
+    def _travelled(self, cover: Cover) -> tuple[Cover, TableBlock]:
+        """Of covers as small and as sure one with a shorter tour, by pairs that are beyond doubt."""
+        kept = self.kept
+        reached = kept.level.any(axis=0)
+        level = np.where(kept.certain, kept.level, 0)
+        chosen = np.searchsorted(kept.index, cover.chosen)
+        level[chosen] = kept.level[chosen]
+        poses = self.poses(kept.index.tolist())
+        rows = least_travel(level[:, reached], poses[:, :3, 3], tuple(chosen.tolist()))
+        found = tuple(kept.index[list(rows)].tolist())
+        return replace(cover, chosen=found), self._table(np.array(found, dtype=np.int64))
 
     def poses(self, chosen: Sequence[int]) -> NDArray[np.float64]:
         """``T_part_camera`` ``(K, 4, 4)`` mm of settings by index."""

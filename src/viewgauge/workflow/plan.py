@@ -28,11 +28,12 @@ from .chunks import (
     SettingSource,
     candidate_grid,
     chunks_of,
+    reachable,
     require_chunk_size,
 )
 from .execution import Executor, InProcess
 from .fingerprint import job_fingerprint
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 from .refine import Arrangement, refined
 
@@ -119,13 +120,13 @@ def plan(
                 arrangement = refined(job, choice, arrangement, seed=inspection.seed, time_limit_s=time_limit_s)
         if notes:
             notes.discard()
-    explicit = inspection.settings
+    explicit = job.source if isinstance(job.source, ExplicitSettings) else None
     return compose_plan(
         arrangement.table,
         arrangement.T_part_camera,
-        [explicit.ids[k] if explicit else f"S{n}" for n, k in enumerate(cover.chosen, start=1)]
-        if arrangement.refinement is None
-        else [f"S{n}" for n in range(1, len(arrangement.T_part_camera) + 1)],
+        [explicit.ids[k] for k in cover.chosen]
+        if explicit
+        else [f"S{n + 1}" for n in range(len(arrangement.table.reason))],
         arrangement.best,
         dimensions,
         unusable,
@@ -134,7 +135,12 @@ def plan(
         candidate_count=len(job.source),
         seed=inspection.seed,
         refinement=arrangement.refinement,
+        fixed_names=explicit is not None,
     )
+
+
+def _numbered(count: int) -> list[str]:
+    return [f"S{n}" for n in range(1, count + 1)]
 
 
 def _require_limits(time_limit_s: float, gap: float) -> None:
@@ -149,7 +155,7 @@ def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> Se
         return candidate_grid(inspection, dimensions)
     if not inspection.settings.ids:
         raise NoCandidateError("no candidate setting is left: the settings file holds none")
-    return inspection.settings
+    return reachable(inspection, dimensions)
 
 
 @contextmanager
