@@ -7,8 +7,8 @@ spread of the measurements (6; formerly 5.15)::
     Cg  = share T / (k sigma)                              share = 0.2
     Cgk = (share T / 2 - |bias|) / (k sigma / 2)
 
-Cg and Cgk are those of a type 1 gauge study as Minitab and the R package qualityTools define them, and as the motor
-industry's guidelines for the capability of measurement processes do (0.2 and 6 sigma; some take 0.15).
+Cg and Cgk are those of a type 1 gauge study as Minitab defines them, and as the motor industry's guidelines do
+(Bosch, booklet 10: share 0.2, k = 6, at least 1.33; others take a share of 0.15, or k = 4).
 
 k sigma is the width of the interval that holds 2 Phi(k/2) - 1 of a normal law, 99.73 % for k = 6. For a law that is
 not normal the interval that holds that share takes its place, as ISO 22514 does for capability: then each
