@@ -58,6 +58,9 @@ def test_a_guard_band_of_u_leaves_a_specific_risk_of_2_3_percent():
     # the classical figure of ISO 14253-1's rule with U = 2 u: 1 - Phi(2)
     limit = acceptance_limits(-1.0, 1.0, 2 * 0.05, guard_multiplier("guarded"))[1]
     assert 1 - conformance_probability(limit, 0.05, -1, 1) == pytest.approx(0.5 * math.erfc(math.sqrt(2)), rel=1e-12)
+    # and the guard band that leaves 5 %, for the one-sided z of 1.645 of normal tables
+    limit = acceptance_limits(-1.0, 1.0, 2 * 0.05, guard_multiplier("guarded", 1.645 / 2))[1]
+    assert conformance_probability(limit, 0.05, -1, 1) == pytest.approx(0.95, abs=5e-5)
 
 
 def test_far_out_nothing_cancels():

@@ -66,6 +66,8 @@ def test_a_bias_that_is_too_large_for_a_tolerance_is_told():
     assert "bias of 0.02 mm" in reason
     assert "10 % of the tolerance zone of 0.1 mm" in reason
     assert requirement.cannot_judge((-0.5, 0.5)) is None
+    assert requirement.allowed_error_mm(60.0, (-0.1, 0.1)) is None  # exactly: rounding leaves 3e-18 mm
+    assert "is no less than" in requirement.cannot_judge((-0.1, 0.1))
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from .requirement import Requirement
 
 __all__ = ["CapabilityRequirement"]
 
+_ROUNDING = 1e-12  # of what is left of the tolerance zone when a bias that uses it up is taken off
 _INDICES = ("percent_p_to_t", "cg", "cgk")
 
 
@@ -69,24 +70,26 @@ class CapabilityRequirement(Requirement):
         tolerance_mm: tuple[float, float] | None,
     ) -> float | None:
         """Half the spread that is allowed, mm; None where :meth:`cannot_judge` says why there is none."""
-        allowed = self._half_spread_mm(tolerance_mm)
-        return allowed if allowed > 0 else None
+        return self._half_spread_mm(tolerance_mm)
 
     def cannot_judge(self, tolerance_mm: tuple[float, float] | None) -> str | None:
         """No tolerance, or one whose share the bias uses up."""
         if tolerance_mm is None:
             return "it has no tolerance (a basic value), and the requirement is on the capability for a tolerance"
-        if self._half_spread_mm(tolerance_mm) > 0:
+        if self._half_spread_mm(tolerance_mm) is not None:
             return None
         width = tolerance_mm[1] - tolerance_mm[0]
         if not width:
             return "its tolerance zone has no width"
         part = f"{50 * self.share:.3g} % of the tolerance zone of {width:.6g} mm"
-        return f"the bias of {abs(self.bias_mm):g} mm uses up {part}: no measurement has the required Cgk"
+        return f"the bias of {abs(self.bias_mm):g} mm is no less than {part}: no measurement has the required Cgk"
 
-    def _half_spread_mm(self, tolerance_mm: tuple[float, float] | None) -> float:
+    def _half_spread_mm(self, tolerance_mm: tuple[float, float] | None) -> float | None:
         if tolerance_mm is None:
-            return 0.0
+            return None
         if self.kind == "percent_p_to_t":
-            return float(spread_for_percent_p_to_t(100 * self.value, *tolerance_mm))
-        return float(spread_for_cgk(self.value, *tolerance_mm, bias=self.bias_mm, share=self.share))
+            allowed = float(spread_for_percent_p_to_t(100 * self.value, *tolerance_mm))
+        else:
+            allowed = float(spread_for_cgk(self.value, *tolerance_mm, bias=self.bias_mm, share=self.share))
+        nothing = _ROUNDING * (tolerance_mm[1] - tolerance_mm[0]) / self.value
+        return allowed if allowed > nothing else None

@@ -12,8 +12,8 @@ be measured (clause 9.5); for these the law of Y, here a normal one, describes t
 
 **Decision rules** (clause 8): the acceptance zone is the tolerance zone made smaller by a guard band ``w = r U`` at
 either end, with U = 2 u the expanded uncertainty. Simple acceptance, also called shared risk: r = 0. Guarded
-acceptance: r > 0; r = 1 is the default rule of ISO 14253-1 for the proof of conformity as it long stood. Guarded
-rejection: r < 0, the acceptance zone is the larger one.
+acceptance: r > 0; r = 1 was the default rule of ISO 14253-1 for proving conformity until its edition of 2017, whose
+default of 95 % conformance probability is r = 0.82. Guarded rejection: r < 0, the acceptance zone is the larger one.
 
 **Global risks in closed form.** With the process N(m, s), measured values are N(m, S), S² = s² + u², their
 correlation with the true ones s/S. ``P(Y > t, Y + E <= a)`` is a quadrant of a bivariate normal law, which Owen's

@@ -129,7 +129,7 @@ class ConformanceRequirement(Requirement):
         if np.isfinite(self._largest_uncertainty_mm(tolerance_mm)):
             return None
         hint = "; limit the producer's risk too" if self.producer_risk is None else ""
-        return f"the stated process and decision rule keep the risks within their limits however it is measured{hint}"
+        return f"any measurement keeps the risks within their limits, by this process and decision rule{hint}"
 
     def risks(self, uncertainty_mm: float, tolerance_mm: tuple[float, float]) -> GlobalRisks:
         """The global risks of a dimension measured with a standard uncertainty."""
