@@ -55,6 +55,12 @@ def plan(inspection):
 
 
 @pytest.fixture(scope="module")
+def sampled(inspection):
+    """The best of the candidates as they are."""
+    return vg.plan(inspection, refine=False)
+
+
+@pytest.fixture(scope="module")
 def few(inspection) -> vg.Inspection:
     """The example with fewer candidates, for what does not need many."""
     return replace(inspection, candidates=replace(inspection.candidates, distances=2, directions=60, rolls=2))
@@ -64,7 +70,7 @@ def test_the_plan_meets_every_dimension_with_the_proven_fewest_settings(plan):
     assert [d.id for d in plan.dimensions] == IDS
     assert plan.all_met
     assert plan.proven
-    assert plan.count == plan.lower_bound >= 2, "front and back cannot be seen at once"
+    assert plan.count == plan.lower_bound
     assert len(plan.settings) == plan.count
     assert sorted(name for s in plan.settings for name in s.observes) == sorted(IDS)
     settings = {s.id: s for s in plan.settings}
@@ -75,8 +81,25 @@ def test_the_plan_meets_every_dimension_with_the_proven_fewest_settings(plan):
         assert np.linalg.norm(np.diff(d.gauge, axis=0)) == pytest.approx(d.nominal_mm, rel=1e-6)
 
 
+def test_refined_one_setting_does_what_takes_two_candidates(inspection, plan, sampled):
+    """And at the same number of settings the weakest dimension is surer; the camera stays where it is allowed."""
+    assert sampled.refinement is None
+    assert sampled.all_met
+    assert (plan.count, sampled.count) == (1, 2)
+    steps = {step.name: step for step in plan.refinement.steps}
+    weakest = min(d.probability for d in sampled.dimensions)
+    assert (steps["sampled"].count, steps["sampled"].weakest) == (2, pytest.approx(weakest))
+    assert steps["surer"].count == 2
+    assert steps["surer"].weakest > weakest + 0.005
+    assert (steps["fewer"].count, steps["fewer"].weakest) == (1, min(d.probability for d in plan.dimensions))
+    assert plan.refinement.finished
+    region = candidate_grid(inspection, inspection.part.dimensions).region
+    for made in (plan, sampled):
+        assert region.allowed(np.array([s.T_part_camera[:3, 3] for s in made.settings])).all()
+
+
 def test_no_single_candidate_measures_everything(inspection, plan):
-    """The lower bound, by the table itself: no row of it is accepted throughout."""
+    """The sampled plan's lower bound, by the table itself: no row of it is accepted throughout."""
     grid = candidate_grid(inspection, inspection.part.dimensions)
     poses = grid.poses(0, len(grid))
     assert len(poses) == plan.candidate_count

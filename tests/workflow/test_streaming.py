@@ -6,7 +6,6 @@ import importlib.util
 import json
 import os
 import signal
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from viewgauge.exceptions import InputError, ViewgaugeError
 from viewgauge.geometry import invert, transform
 from viewgauge.io.settings import write_settings
 from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.planning.cover import DEFAULT_TIME_LIMIT_S
 from viewgauge.visibility import REASONS
 from viewgauge.workflow.chunks import SETTINGS_PER_CHUNK
 from viewgauge.workflow.execution import InProcess, open_executor
@@ -291,7 +291,7 @@ def test_a_doubtful_pair_that_the_exact_camera_refutes_is_chosen_again(
         requirement=f"{{accuracy: 0.8, probability: {probability}}}",
         candidates="{distance: [250, 400] mm, directions: 8, rolls: 1}",
     )
-    whole = plan_bytes(inspection, tmp_path / "whole")
+    whole = plan_bytes(inspection, tmp_path / "whole", refine=False)
     assert 0 < sum(refuted) < len(refuted), "some pairs are refuted, some confirmed"
     planned = json.loads(whole["plan.json"])["dimensions"]
     assert [d["id"] for d in planned if d["status"] != "met"] == unmet
@@ -299,20 +299,20 @@ def test_a_doubtful_pair_that_the_exact_camera_refutes_is_chosen_again(
     assert all(d["warning"] and d["probability"] >= probability for d in met)
     for workers, chunk in ((0, 1), (0, 7), (2, 5)):
         folder = tmp_path / f"{workers} {chunk}"
-        assert plan_bytes(inspection, folder, executor=executors[workers], settings_per_chunk=chunk) == whole
+        pieces = {"executor": executors[workers], "settings_per_chunk": chunk}
+        assert plan_bytes(inspection, folder, refine=False, **pieces) == whole
 
 
 def test_where_nearly_all_is_doubtful_few_choices_are_made(tmp_path, monkeypatch):
-    importlib.import_module("viewgauge.workflow.plan")  # the package has a function of that name
-    module, rounds = sys.modules["viewgauge.workflow.plan"], []
+    module, rounds = importlib.import_module("viewgauge.workflow.choice"), []
     real = module.choose_settings
-    monkeypatch.setattr(module, "choose_settings", lambda kept: rounds.append(len(kept)) or real(kept))
+    monkeypatch.setattr(module, "choose_settings", lambda kept, *rest: rounds.append(len(kept)) or real(kept, *rest))
     inspection = write_inspection(
         tmp_path,
         head="{translation: 25 mm, rotation: 5 deg}",
         requirement="{accuracy: 0.75, probability: 0.985}",
     )
-    plan = workflow.plan(inspection)
+    plan = workflow.plan(inspection, refine=False)
     assert all(d.warning for d in plan.dimensions if d.status == "met")
     assert 2 < len(rounds) < 20, "ever more of the surest are looked into each time round; one by one takes about 70"
 
@@ -390,6 +390,7 @@ def test_the_command_line_has_the_default_of_the_workflow():
     from viewgauge.cli import app
 
     assert app._SETTINGS_PER_CHUNK == SETTINGS_PER_CHUNK
+    assert app._TIME_LIMIT_S == DEFAULT_TIME_LIMIT_S
 
 
 def test_the_contract_columns_are_written_first(inspection, poses, tmp_path):

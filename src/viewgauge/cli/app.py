@@ -27,7 +27,8 @@ __all__ = ["main"]
 _DONE, _NOT_MET, _BAD_INPUT = 0, 1, 2
 _INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
-_SETTINGS_PER_CHUNK = 16_384  # as workflow/chunks.py has it, which takes long to import; a test compares
+# as workflow/chunks.py and planning/cover.py have them, which take long to import; a test compares
+_SETTINGS_PER_CHUNK, _TIME_LIMIT_S = 16_384, 60.0
 
 _Part = Annotated[Path | None, Parameter(name="--part", help="CAD file or mesh, in place of the file's own.")]
 _Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the result as JSON.")]
@@ -87,11 +88,15 @@ def _plan(
     scheduler: _Scheduler = None,
     workers: _Workers = None,
     chunk: _Chunk = _SETTINGS_PER_CHUNK,
+    refine: bool = True,
+    time_limit: float = _TIME_LIMIT_S,
+    gap: float = 0.0,
     json: _Json = False,
 ) -> int:
     """Choose the fewest settings that measure every dimension as required.
 
-    A long job that was stopped goes on where it was when it is started again.
+    A long job that was stopped goes on where it was when it is started again. Ctrl-C while settings are chosen or
+    refined ends that step: the plan is the best so far.
 
     Parameters
     ----------
@@ -101,6 +106,12 @@ def _plan(
         Folder for plan.json, settings.csv, assignments.csv and report.html.
     seed
         In place of the file's own; the same seed gives the same plan.
+    refine
+        Improve the settings over all poses that the region allows; --no-refine for the best of the candidates.
+    time_limit
+        Seconds for the search for the fewest settings, for that for the surest, and for the refinement, each.
+    gap
+        End the search for the fewest when the lower bound is within this share of their number.
     """
     from .. import workflow
 
@@ -116,6 +127,9 @@ def _plan(
                 executor=executor,
                 settings_per_chunk=chunk,
                 journal=output / ".partial",
+                refine=refine,
+                time_limit_s=time_limit,
+                gap=gap,
             )
         with bars.stage("Writing the report"):
             workflow.write_plan(plan, inspection, output)

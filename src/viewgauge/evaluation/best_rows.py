@@ -60,6 +60,11 @@ class BestRows:
         )
         return BestRows(np.where(take, other.setting, self.setting), TableBlock(*taken), self.counts + other.counts)
 
+    def taken(self, dimensions: list[int]) -> BestRows:
+        """Of some of the dimensions, by index."""
+        values = TableBlock(*(getattr(self.values, f.name)[dimensions] for f in fields(self.values)))
+        return BestRows(self.setting[dimensions], values, self.counts[dimensions])
+
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """As plain arrays, to be stored."""
         values = {f.name: getattr(self.values, f.name) for f in fields(self.values)}

@@ -26,6 +26,7 @@ from .validity import NEGLIGIBLE, WARNINGS, validity
 __all__ = ["Accepted", "Evaluator", "TableBlock"]
 
 _Block = TypeVar("_Block", "TableBlock", "Accepted")
+_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,8 @@ class Evaluator:
         The part's surface, which hides.
     threads
         How many work at once; by default as many as there are processors.
+    occluder
+        The mesh made ready for rays, where that was done before.
     """
 
     def __init__(
@@ -100,18 +103,40 @@ class Evaluator:
         limits: ObservationLimits | None = None,
         method: FirstOrderMethod = "joint",
         threads: int | None = None,
+        occluder: Occluder | None = None,
     ) -> None:
         gauges = GaugeTable.of(dimensions)
+        self.dimensions = tuple(dimensions)
+        self._requirement, self._mesh, self._limits = requirement, mesh, limits or ObservationLimits()
         self.allowed_error_mm = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
         self._gauges, self._camera, self._error, self._method = gauges, camera, error, method
         self._required = requirement.probability
         self._tolerance = self.allowed_error_mm[gauges.dimension] / gauges.length_mm
         self._first = np.append(gauges.first, len(gauges)).astype(np.int64)
-        self._culling = Culling(gauges, camera, limits or ObservationLimits())
-        self._lines = SightLines(gauges, Occluder(mesh))
+        self._culling = Culling(gauges, camera, self._limits)
+        self._occluder = occluder or Occluder(mesh)
+        self._lines = SightLines(gauges, self._occluder)
         self._kernel = ProbabilityKernel(gauges, self._tolerance, camera, error)
         self._columns = PairColumns(gauges, camera, error)
         self.threads = threads or _processors()
+
+    def of(self, dimensions: Sequence[int]) -> Evaluator:
+        """The same for some of the dimensions, by index: what hides is made ready only once."""
+        return Evaluator(
+            [self.dimensions[j] for j in dimensions],
+            self._mesh,
+            self._camera,
+            self._error,
+            self._requirement,
+            self._limits,
+            self._method,
+            self.threads,
+            self._occluder,
+        )
+
+    def probabilities(self, T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
+        """``(n, d)`` of settings ``(n, 4, 4)`` mm: of the surest visible gauge, also below the requirement; else 0."""
+        return np.concatenate(self._of_blocks(lambda poses: self._ranked(poses, 0.0).probability, T_part_camera))
 
     def table(self, T_part_camera: NDArray[np.float64]) -> TableBlock:
         """The table of settings ``(n, 4, 4)`` mm."""
@@ -122,11 +147,16 @@ class Evaluator:
         return self._each_block(self._accepted_block, T_part_camera)
 
     def _each_block(self, work: Callable[[NDArray[np.float64]], _Block], T_part_camera: NDArray[np.float64]) -> _Block:
-        blocks = [T_part_camera[k : k + VIEWS] for k in range(0, len(T_part_camera), VIEWS)] or [T_part_camera]
-        with _mapped(self.threads, work, blocks) as done:
-            results = list(done)
+        results = self._of_blocks(work, T_part_camera)
         joined = (np.concatenate([getattr(r, f.name) for r in results]) for f in fields(results[0]))
         return type(results[0])(*joined)
+
+    def _of_blocks(
+        self, work: Callable[[NDArray[np.float64]], _Result], T_part_camera: NDArray[np.float64]
+    ) -> list[_Result]:
+        blocks = [T_part_camera[k : k + VIEWS] for k in range(0, len(T_part_camera), VIEWS)] or [T_part_camera]
+        with _mapped(self.threads, work, blocks) as done:
+            return list(done)
 
     def _ranked(self, poses: NDArray[np.float64], threshold: float) -> _Ranked:
         views, count = view_block(poses), len(poses)
@@ -216,8 +246,8 @@ def _processors() -> int:
 
 @contextmanager
 def _mapped(
-    threads: int, work: Callable[[NDArray[np.float64]], _Block], blocks: Sequence[NDArray[np.float64]]
-) -> Iterator[Iterator[_Block]]:
+    threads: int, work: Callable[[NDArray[np.float64]], _Result], blocks: Sequence[NDArray[np.float64]]
+) -> Iterator[Iterator[_Result]]:
     """Results in order; the compiled loops and the ray caster let other threads run."""
     if min(threads, len(blocks)) < 2:
         yield map(work, blocks)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ from .inspection_schema import (
     PoseSection,
 )
 from .inspection_text import InspectionText, read_inspection_text
+from .region_schema import BoxSection, HemisphereSection
 from .requirement_schema import read_requirement
 from .validation import build, validate
 
@@ -65,6 +67,9 @@ class DimensionEntry:
     def is_override(self) -> bool:
         """The entry changes a dimension of the PMI instead of adding one."""
         return self.start_mm is None
+
+
+_Place = TypeVar("_Place", BoxSection, HemisphereSection)
 
 
 @dataclass(frozen=True)
@@ -182,7 +187,25 @@ class _Reader:
         cone = None
         if (value := self._below("candidates", "cone")) is not None:
             cone = validate(ConeSection, value, ("candidates", "cone"), self.problems)
-        return build(section.build, ("candidates",), self.problems, cone) if section else None
+        box = self._place(BoxSection, self._below("candidates", "box"), "box")
+        hemisphere = self._place(HemisphereSection, self._below("candidates", "hemisphere"), "hemisphere")
+        listed = self._below("candidates", "forbidden")
+        boxes = [
+            self._place(BoxSection, value, "forbidden", k)
+            for k, value in enumerate(listed if isinstance(listed, list) else ())
+        ]
+        if section is None:
+            return None
+        forbidden = tuple(place for place in boxes if place is not None)
+        places = {"box": box, "hemisphere": hemisphere, "forbidden": forbidden}
+        return build(partial(section.build, **places), ("candidates",), self.problems, cone)
+
+    def _place(self, section: type[_Place], value: object, *where: str | int) -> Any:
+        """What a section of places stands for; None where there is none, or a problem was noted."""
+        if value is None and len(where) == 1:
+            return None
+        found = validate(section, value, ("candidates", *where), self.problems)
+        return None if found is None else found.build()
 
     def _dimensions(self) -> tuple[DimensionEntry, ...]:
         values = self._below("part", "dimensions")

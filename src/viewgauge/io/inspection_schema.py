@@ -106,6 +106,7 @@ def _read_f_number(value: object) -> float:
 
 Length = Annotated[float, _one(LENGTH, "positive")]
 AnyLength = Annotated[float, _one(LENGTH, "any")]
+LengthOrZero = Annotated[float, _one(LENGTH, "not negative")]
 Angle = Annotated[float, _one(ANGLE, "positive")]
 AngleOrZero = Annotated[float, _one(ANGLE, "not negative")]
 Pixels = Annotated[float, _one(PIXELS, "positive")]
@@ -285,7 +286,7 @@ class ConeSection(Section):
 
 
 class CandidatesSection(Section):
-    """Where the camera may stand; the cone is read apart."""
+    """Where the camera may stand; cone, box, hemisphere and forbidden boxes are read apart."""
 
     distance: DistanceRange | None = None
     distances: Count | None = None
@@ -293,16 +294,28 @@ class CandidatesSection(Section):
     rolls: Count | None = None
     targets: CountOrZero | None = None
     cone: Any = None
+    box: Any = None
+    hemisphere: Any = None
+    forbidden: list[Any] | None = None
+    standoff: LengthOrZero | None = None
     settings: Name | None = None
 
-    def build(self, cone: ConeSection | None) -> CandidateOptions:
-        """The options, with the defaults for what is not given; raises InputError."""
+    def build(self, cone: ConeSection | None, **places: Any) -> CandidateOptions:
+        """The options, with the defaults for what is not given; raises InputError.
+
+        Parameters
+        ----------
+        places
+            ``box``, ``hemisphere`` and ``forbidden`` of the options.
+        """
         given: dict[str, Any] = {
             "distance_mm": self.distance,
             "distances": self.distances,
             "directions": self.directions,
             "rolls": self.rolls,
             "targets": self.targets,
+            "standoff_mm": self.standoff,
+            **places,
         }
         if self.distance is not None and self.distance[0] == self.distance[1]:
             given["distances"] = 1

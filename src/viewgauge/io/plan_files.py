@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..evaluation import Requirement
-from ..planning import Plan, PlannedDimension
+from ..planning import Plan, PlannedDimension, Refinement
 from .atomic import write_text_atomically
 from .settings import write_settings
 
@@ -39,6 +39,16 @@ def plan_document(plan: Plan, requirement: Requirement, inputs: Mapping[str, str
         "gap": plan.gap,
         "proven": plan.proven,
         "candidates": plan.candidate_count,
+        "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.dimensions),
+    }
+
+
+def _refinement_document(refinement: Refinement, dimensions: Sequence[PlannedDimension]) -> dict[str, Any]:
+    return {
+        "steps": [asdict(step) for step in refinement.steps],
+        "reached": [dimensions[j].id for j in refinement.reached],
+        "generated": refinement.generated,
+        "finished": refinement.finished,
     }
 
 

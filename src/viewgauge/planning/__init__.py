@@ -5,7 +5,9 @@ from .cover import Cover, minimum_cover, surest_minimum_cover
 from .dominance import Undominated, probability_levels
 from .options import CandidateOptions
 from .plan import assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
+from .refinement import Refinement, RefinementStep, Refiner
 from .result import Plan, PlannedDimension, PlannedSetting
+from .setting_pool import SettingPool
 
 __all__ = [
     "CandidateGrid",
@@ -14,6 +16,10 @@ __all__ = [
     "Plan",
     "PlannedDimension",
     "PlannedSetting",
+    "Refinement",
+    "RefinementStep",
+    "Refiner",
+    "SettingPool",
     "Undominated",
     "assigned_setting",
     "choose_settings",

@@ -60,7 +60,7 @@ class CandidateGrid:
     """Candidate camera poses around the part, made when they are asked for: their number costs no memory.
 
     Every combination of a point aimed at (the centre of the gauges and the centres of clusters of gauges), a
-    distance, a direction and a roll. Poses whose camera would be inside the part's bounding box are left out.
+    distance, a direction and a roll. Poses whose camera would stand where it must not are left out.
 
     Parameters
     ----------
@@ -84,11 +84,12 @@ class CandidateGrid:
         self._directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
         self._rolls = np.arange(options.rolls) * np.pi / options.rolls
         self._shape = tuple(len(a) for a in (self._targets, self._distances, self._directions))
-        self._inside = self._inside_box(*mesh.bounds)
+        self.region = options.region(self._targets, (near, far), mesh)
+        """Where a camera may stand; every candidate does."""
+        self._inside = self._left_out(options.bounded)
         if not len(self):
             raise NoCandidateError(
-                f"no candidate setting is left: at distances of {near:.4g} to {far:.4g} mm every camera would be "
-                "inside the part's bounding box; allow larger distances"
+                f"no candidate setting is left: at distances of {near:.4g} to {far:.4g} mm {self._why_none()}"
             )
 
     def __len__(self) -> int:
@@ -108,17 +109,32 @@ class CandidateGrid:
         aim = self._targets[target]
         return aim, aim + self._distances[distance][:, None] * self._directions[direction]
 
-    def _inside_box(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Combinations of target, distance and direction whose camera is inside a box, ascending."""
-        inside = [np.zeros(0, np.int64)]
-        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+    def _left_out(self, bounded: bool) -> NDArray[np.int64]:
+        """Combinations of target, distance and direction whose camera must not stand there, ascending."""
+        left_out = [np.zeros(0, np.int64)]
+        corners = np.array(np.meshgrid(*self.region.mesh.bounds.T)).reshape(3, -1).T
         directions = len(self._directions)
         for k, (target, distance) in enumerate(itertools.product(self._targets, self._distances)):
-            if distance > np.linalg.norm(corners - target, axis=1).max():
-                continue  # farther than any corner
+            if not bounded and distance > np.linalg.norm(corners - target, axis=1).max():
+                continue  # farther than any corner of the part's bounding box
             _, eyes = self._aim_and_eyes(np.arange(k * directions, (k + 1) * directions))
-            inside.append(k * directions + np.flatnonzero(((eyes >= low) & (eyes <= high)).all(axis=1)))
-        return np.concatenate(inside)
+            excluded = self.region.too_near(eyes) | ~self.region.in_reach(eyes)
+            left_out.append(k * directions + np.flatnonzero(excluded))
+        return np.concatenate(left_out)
+
+    def _why_none(self) -> str:
+        """What stands in the way, and what to do."""
+        _, eyes = self._aim_and_eyes(np.arange(math.prod(self._shape)))
+        near, reach = self.region.too_near(eyes), self.region.in_reach(eyes)
+        what = "inside the part's bounding box" if self.region.standoff_mm is None else "nearer than the standoff"
+        if near.all():
+            return f"every camera would be {what}; allow larger distances"
+        if not reach.any():
+            return "no camera would be where the box, the hemisphere and the forbidden boxes allow it; mend candidates"
+        return (
+            f"{near.mean():.0%} of the cameras would be {what}, {(~reach).mean():.0%} where the box, the hemisphere or "
+            "a forbidden box does not allow it; allow more room or other distances"
+        )
 
 
 def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:

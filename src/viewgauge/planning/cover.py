@@ -57,7 +57,9 @@ def minimum_cover(accepted: NDArray[np.bool_], time_limit_s: float = DEFAULT_TIM
     return Cover(tuple(sorted(rows[chosen].tolist())), bound)
 
 
-def surest_minimum_cover(level: NDArray[np.uint16], time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
+def surest_minimum_cover(
+    level: NDArray[np.uint16], time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0
+) -> Cover:
     """Among the covers of least size the one whose weakest dimension is surest.
 
     A setting covers a dimension at which its level is not 0. The highest threshold at which a cover of the least
@@ -69,10 +71,14 @@ def surest_minimum_cover(level: NDArray[np.uint16], time_limit_s: float = DEFAUL
     level
         ``(n, d)``: settings by dimensions, 0 = not accepted, else the higher the surer; each dimension above 0
         somewhere (ValueError otherwise).
+    time_limit_s
+        Of the search for the fewest, and again of that for the surest; when it is up, the best so far.
+    gap
+        The search for the fewest ends when the lower bound is within this share of the number of settings.
     """
     _require_cover(level > 0)
     rows = _in_order_of_content(level)
-    chosen, bound = _fewest(level[rows] > 0, time.monotonic() + time_limit_s)
+    chosen, bound = _fewest(level[rows] > 0, time.monotonic() + time_limit_s, gap=gap)
     if not chosen:
         return Cover((), 0)
     deadline = time.monotonic() + time_limit_s
@@ -129,11 +135,14 @@ class _Component:
         return self.bound < len(self.cover)
 
 
-def _fewest(holds: NDArray[np.bool_], deadline: float, enough: int | None = None) -> tuple[list[int], int]:
+def _fewest(
+    holds: NDArray[np.bool_], deadline: float, enough: int | None = None, gap: float = 0.0
+) -> tuple[list[int], int]:
     """A least cover and the lower bound of the number of rows.
 
     With ``enough`` the search ends as soon as it is known whether a cover of so many rows exists. Without any cover,
-    which a threshold may have, nothing is chosen and the bound is one more than there are rows.
+    which a threshold may have, nothing is chosen and the bound is one more than there are rows. With ``gap`` it ends
+    when the bound is within this share of the number of rows.
     """
     if not holds.any(axis=0).all():
         return [], len(holds) + 1
@@ -143,7 +152,7 @@ def _fewest(holds: NDArray[np.bool_], deadline: float, enough: int | None = None
     while time.monotonic() < deadline:
         bound = len(needed) + sum(part.bound for part in parts)
         size = len(needed) + sum(len(part.cover) for part in parts)
-        if bound == size or (enough is not None and (size <= enough or bound > enough)):
+        if size - bound <= gap * size or (enough is not None and (size <= enough or bound > enough)):
             break
         part = min((part for part in parts if part.open), key=lambda part: part.holds.size)
         most = len(part.cover) - 1

@@ -13,7 +13,9 @@ from ..part import Dimension, Unusable
 from .cause import limiting_cause
 from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
 from .dominance import Undominated
+from .refinement import Refinement
 from .result import Plan, PlannedDimension, PlannedSetting
+from .travel import shortest_tour
 
 __all__ = ["assigned_setting", "choose_settings", "compose_plan", "not_measurable", "without_allowed_error"]
 
@@ -32,7 +34,7 @@ def without_allowed_error(
     return tuple(judged), tuple(refused)
 
 
-def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
+def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0) -> Cover:
     """The fewest settings that measure every dimension that some kept candidate measures; of those the surest.
 
     Returns
@@ -40,7 +42,7 @@ def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_
     The cover, of the settings' indices.
     """
     reachable = kept.level.any(axis=0)
-    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s)
+    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s, gap)
     return Cover(tuple(int(k) for k in kept.index[list(cover.chosen)]), cover.lower_bound)
 
 
@@ -69,6 +71,8 @@ def compose_plan(
     lower_bound: int,
     candidate_count: int,
     seed: int,
+    refinement: Refinement | None = None,
+    fixed_names: bool = False,
 ) -> Plan:
     """The plan of K chosen settings.
 
@@ -77,12 +81,17 @@ def compose_plan(
     table
         ``(K, d)``: of the chosen settings and all dimensions.
     T_part_camera, names
-        ``(K, 4, 4)`` mm, and K names.
+        ``(K, 4, 4)`` mm, and K names; they are put in the order of the shortest tour through the settings.
+    fixed_names
+        A name goes with its setting; else they are given in the order of the tour.
     best
         For each dimension that is not met the best rows of all candidates, and its place in them.
     unusable
         What cannot be measured, for the record.
     """
+    order = list(shortest_tour(T_part_camera[:, :3, 3])[0])
+    table = TableBlock(*(getattr(table, f.name)[order] for f in fields(table)))
+    T_part_camera, names = T_part_camera[order], [names[k] for k in order] if fixed_names else names
     setting = assigned_setting(table, requirement.probability)
     observes: list[list[str]] = [[] for _ in names]
     planned = []
@@ -102,6 +111,7 @@ def compose_plan(
         dimensions=(*planned, *not_measurable(unusable)),
         lower_bound=lower_bound,
         candidate_count=candidate_count,
+        refinement=refinement,
     )
 
 

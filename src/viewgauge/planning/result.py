@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .refinement import Refinement
+
 __all__ = ["Plan", "PlannedDimension", "PlannedSetting", "Status"]
 
 Status = Literal["met", "unmet", "not_measurable"]
@@ -66,8 +68,9 @@ class PlannedDimension:
 class Plan:
     """The fewest settings that measure every dimension that can be met.
 
-    ``lower_bound`` is the proven least number of settings among the candidates, ``gap`` the relative gap
-    (count - lower_bound) / count, and ``proven`` says that it is zero.
+    ``lower_bound`` is the proven least number of settings among the candidates and what the refinement found, ``gap``
+    the relative gap (count - lower_bound) / count, and ``proven`` says that it is zero. ``refinement`` says what
+    refining changed; None where nothing was refined.
     """
 
     seed: int
@@ -75,6 +78,7 @@ class Plan:
     dimensions: tuple[PlannedDimension, ...]
     lower_bound: int
     candidate_count: int
+    refinement: Refinement | None = None
 
     @property
     def count(self) -> int:

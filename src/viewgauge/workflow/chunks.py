@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -12,13 +13,13 @@ from numpy.typing import NDArray
 
 from ..evaluation import BestRows, Evaluator, Requirement, TableBlock
 from ..evaluation.segment import FirstOrderMethod
-from ..exceptions import InputError
+from ..exceptions import InputError, NoCandidateError
 from ..geometry import Camera, PoseError, invert, transform
 from ..part import Dimension, Mesh
 from ..part.gauge_table import GaugeTable
 from ..planning import CandidateGrid, Undominated, probability_levels
 from ..visibility import ObservationLimits
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
 
 if TYPE_CHECKING:
     from ..io.table_zarr import ZarrRegionWriter
@@ -38,11 +39,14 @@ __all__ = [
     "candidate_grid",
     "chunks_of",
     "evaluator_of",
+    "reachable",
     "require_chunk_size",
     "simulate_pairs",
     "simulated",
     "table_chunk",
 ]
+
+_log = logging.getLogger(__name__)
 
 SETTINGS_PER_CHUNK = 16_384
 """By default: some MB for each dimension, and for the usual part a few tenths of a second."""
@@ -139,6 +143,32 @@ def candidate_grid(inspection: Inspection, dimensions: Sequence[Dimension]) -> C
     """The candidates that an inspection samples to measure some dimensions."""
     points = GaugeTable.of(dimensions).points
     return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+
+
+def reachable(inspection: Inspection, dimensions: Sequence[Dimension]) -> ExplicitSettings:
+    """The explicit settings that stand where box, hemisphere, forbidden boxes and standoff allow it.
+
+    Distance and cone say how settings are sampled; given ones are not asked for them.
+    """
+    settings, options = inspection.settings, inspection.candidates
+    assert settings is not None  # the caller's condition
+    if not options.bounded:
+        return settings
+    ends = GaugeTable.of(dimensions).points.reshape(-1, 3)
+    region = options.region((ends.min(axis=0) + ends.max(axis=0))[None] / 2, (0.0, np.inf), inspection.part.mesh)
+    eyes = settings.T_part_camera[:, :3, 3]
+    stays = region.in_reach(eyes)
+    if options.standoff_mm is not None:
+        stays &= ~region.too_near(eyes)
+    if not stays.any():
+        raise NoCandidateError(
+            f"no candidate setting is left: all {len(settings)} of the settings file stand where the box, the "
+            "hemisphere, a forbidden box or the standoff of candidates does not allow it"
+        )
+    if not stays.all():
+        _log.info("%d of %d explicit settings stand where candidates does not allow it", (~stays).sum(), len(stays))
+    rows = np.flatnonzero(stays)
+    return ExplicitSettings(tuple(settings.ids[k] for k in rows), settings.T_part_camera[rows])
 
 
 def chunks_of(source: SettingSource, size: int) -> list[Chunk]:
