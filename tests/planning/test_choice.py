@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from viewgauge.evaluation import BestRows, Requirement, TableBlock
+from viewgauge.evaluation import BestRows, CapabilityRequirement, Requirement, TableBlock
 from viewgauge.part import Dimension, Gauge, Unusable
 from viewgauge.planning import (
     Undominated,
@@ -132,3 +132,12 @@ def test_a_basic_value_is_judged_by_accuracy_and_refused_by_a_fraction_of_its_to
     assert [d.id for d in judged] == ["a"]
     assert [(u.id, u.nominal_mm) for u in refused] == [("b", 10.0)]
     assert "no tolerance" in refused[0].reason
+
+
+def test_what_a_requirement_says_nothing_about_is_refused_with_its_reason():
+    given = [dimension("a"), dimension("b", tolerance=(-0.001, 0.001)), dimension("c", tolerance=None)]
+    judged, refused = without_allowed_error(given, CapabilityRequirement("cgk", 1.33, bias_mm=0.002))
+    assert [d.id for d in judged] == ["a"]
+    assert [(u.id, u.tolerance_mm) for u in refused] == [("b", (-0.001, 0.001)), ("c", None)]
+    assert "bias" in refused[0].reason
+    assert "no tolerance" in refused[1].reason

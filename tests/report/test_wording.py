@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewgauge.evaluation.requirement import Requirement
+from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
 from viewgauge.report.wording import length, probability, requirement_text, tolerance
 
 
@@ -70,3 +70,33 @@ def test_tolerance(deviations: tuple[float, float] | None, printed: str) -> None
 )
 def test_requirement(requirement: Requirement, words: str) -> None:
     assert requirement_text(requirement) == f"{words}, with a probability of at least 0.95"
+
+
+@pytest.mark.parametrize(
+    ("requirement", "words"),
+    [
+        (
+            CapabilityRequirement("percent_p_to_t", 0.1, sigmas=5.15),
+            "P/T of at most 10 % (5.15 standard deviations over the tolerance zone)",
+        ),
+        (
+            CapabilityRequirement("cg", 1.33),
+            "Cg of at least 1.33 (20 % of the tolerance zone over 6 standard deviations)",
+        ),
+        (
+            CapabilityRequirement("cgk", 1.33, bias_mm=-0.002),
+            "Cgk of at least 1.33 (20 % of the tolerance zone over 6 standard deviations; bias: 0.002 mm)",
+        ),
+        (
+            ConformanceRequirement("simple", Process(capability=1.33), producer_risk=0.02),
+            "producer's risk of at most 2 %, by simple acceptance (shared risk); process capability Cp 1.33 (JCGM 106)",
+        ),
+        (
+            ConformanceRequirement("guarded", Process(0.02, offset_mm=-0.005), consumer_risk=0.001, producer_risk=0.05),
+            "consumer's risk of at most 0.1 % and producer's risk of at most 5 %, by guarded acceptance, w = 1 U; "
+            "process standard deviation 0.02 mm, offset −0.005 mm (JCGM 106)",
+        ),
+    ],
+)
+def test_requirements_of_other_kinds(requirement: Requirement, words: str) -> None:
+    assert requirement_text(requirement) == words

@@ -1,7 +1,10 @@
 """How well sensor settings measure dimensions."""
 
 from .best_rows import BestRows
+from .capability_requirement import CapabilityRequirement
+from .conformance_requirement import ConformanceRequirement, Process
 from .evaluator import Accepted, Evaluator, TableBlock
+from .gauge_figures import GaugeFigures, gauge_figures, spread_mm
 from .requirement import Requirement
 from .segment import SegmentImage, image_segment, success_probability
 from .table import COLUMNS, as_dataset
@@ -12,13 +15,19 @@ __all__ = [
     "WARNINGS",
     "Accepted",
     "BestRows",
+    "CapabilityRequirement",
+    "ConformanceRequirement",
     "Evaluator",
+    "GaugeFigures",
+    "Process",
     "Requirement",
     "SegmentImage",
     "TableBlock",
     "as_dataset",
+    "gauge_figures",
     "image_segment",
     "probability_error",
+    "spread_mm",
     "success_probability",
     "validity",
 ]

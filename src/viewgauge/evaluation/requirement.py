@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
@@ -11,12 +10,15 @@ from ..exceptions import InputError
 
 __all__ = ["Requirement"]
 
-_Kind = Literal["accuracy", "error", "fraction_of_tolerance"]
+_KINDS = ("accuracy", "error", "fraction_of_tolerance")
 
 
 @dataclass(frozen=True)
 class Requirement:
     """Pr{|measured - nominal| <= allowed error} >= probability.
+
+    Whatever is required is put in this form, for each dimension. Requirements on the capability of the gauge and on
+    wrong decisions are :class:`CapabilityRequirement` and :class:`ConformanceRequirement`.
 
     Parameters
     ----------
@@ -27,15 +29,13 @@ class Requirement:
         Required probability (the paper's Th).
     """
 
-    kind: _Kind
+    kind: str
     value: float
     probability: float
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(_Kind):
-            raise InputError(
-                "unknown kind of requirement", key="kind", got=self.kind, expected=", ".join(get_args(_Kind))
-            )
+        if self.kind not in _KINDS:
+            raise InputError("unknown kind of requirement", key="kind", got=self.kind, expected=", ".join(_KINDS))
         if not (np.isfinite(self.value) and self.value > 0):
             raise InputError(f"the required {self.kind} must be finite and positive", got=self.value)
         if self.kind == "accuracy" and self.value >= 1:
@@ -46,7 +46,7 @@ class Requirement:
             )
 
     def allowed_error_mm(self, nominal_mm: float, tolerance_mm: tuple[float, float] | None) -> float | None:
-        """Largest allowed error of a dimension, mm; None where the requirement needs a tolerance and there is none."""
+        """Largest allowed error of a dimension, mm; None where :meth:`cannot_judge` says why there is none."""
         if self.kind == "accuracy":
             return (1 - self.value) * nominal_mm
         if self.kind == "error":
@@ -54,3 +54,9 @@ class Requirement:
         if tolerance_mm is None:
             return None
         return self.value * (tolerance_mm[1] - tolerance_mm[0]) / 2
+
+    def cannot_judge(self, tolerance_mm: tuple[float, float] | None) -> str | None:
+        """Why the requirement says nothing about a dimension; None where it does."""
+        if self.kind == "fraction_of_tolerance" and tolerance_mm is None:
+            return "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
+        return None

@@ -28,10 +28,10 @@ from .inspection_schema import (
     ObservationSection,
     PartSection,
     PoseSection,
-    RequirementSection,
 )
 from .inspection_text import InspectionText, read_inspection_text
 from .region_schema import BoxSection, HemisphereSection
+from .requirement_schema import read_requirement
 from .validation import build, validate
 
 __all__ = ["DimensionEntry", "InspectionFile", "read_inspection_file"]
@@ -177,8 +177,7 @@ class _Reader:
     def _requirement(self) -> Requirement | None:
         if "requirement" not in self.sections:
             return None
-        section = validate(RequirementSection, self.sections["requirement"], ("requirement",), self.problems)
-        return build(section.build, ("requirement",), self.problems) if section else None
+        return read_requirement(self.sections["requirement"], self.problems)
 
     def _limits(self) -> ObservationLimits | None:
         section = validate(ObservationSection, self._section("observation"), ("observation",), self.problems)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
-from ..evaluation.requirement import Requirement
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, pose_from_quaternion
 from ..part.dimension import Observed
@@ -20,16 +19,18 @@ from ..visibility.limits import ObservationLimits
 from .units import ANGLE, LENGTH, PIXELS, RATIO, Kind, Sign, parse_quantities, parse_quantity
 
 __all__ = [
+    "AnyLength",
     "CameraSection",
     "CandidatesSection",
     "ConeSection",
     "DimensionSection",
     "HeadSection",
     "InspectionSections",
+    "Length",
     "ObservationSection",
     "PartSection",
     "PoseSection",
-    "RequirementSection",
+    "Ratio",
     "Section",
 ]
 
@@ -104,6 +105,7 @@ def _read_f_number(value: object) -> float:
 
 
 Length = Annotated[float, _one(LENGTH, "positive")]
+AnyLength = Annotated[float, _one(LENGTH, "any")]
 LengthOrZero = Annotated[float, _one(LENGTH, "not negative")]
 Angle = Annotated[float, _one(ANGLE, "positive")]
 AngleOrZero = Annotated[float, _one(ANGLE, "not negative")]
@@ -136,7 +138,9 @@ class InspectionSections(Section):
 
     camera: Any = Field(description="a section with focal_length, pixel_pitch and resolution")
     head: Any = Field(description="a section with translation and rotation, or covariance")
-    requirement: Any = Field(description="a section with accuracy, error or fraction_of_tolerance, and probability")
+    requirement: Any = Field(
+        description="a section with accuracy, error or fraction_of_tolerance, and probability; or with another kind"
+    )
     part: Any = None
     candidates: Any = None
     observation: Any = None
@@ -259,40 +263,6 @@ class HeadSection(Section):
     def build_with(self, covariance: NDArray[np.float64], T_camera_head: NDArray[np.float64] | None) -> PoseError:
         """The pose error from a covariance ``(6, 6)``, head frame, translation first; raises InputError."""
         return PoseError(covariance, self.pivot or (0.0, 0.0, 0.0), T_camera_head)
-
-
-class RequirementSection(Section):
-    """How accurately and how surely a dimension has to be measured."""
-
-    accuracy: Ratio | None = None
-    error: Length | None = None
-    fraction_of_tolerance: Ratio | None = None
-    probability: Ratio = Field(description="a ratio, such as 0.95")
-
-    def build(self) -> Requirement:
-        """The requirement; raises InputError."""
-        stated = {
-            "accuracy": self.accuracy,
-            "error": self.error,
-            "fraction_of_tolerance": self.fraction_of_tolerance,
-        }
-        given = {name: value for name, value in stated.items() if value is not None}
-        if len(given) != 1:
-            raise InputError(
-                "more than one requirement" if given else "the requirement itself is missing",
-                key=list(given)[1] if given else None,
-                got=" and ".join(given) or None,
-                expected="exactly one of accuracy, error, fraction_of_tolerance",
-            )
-        if self.fraction_of_tolerance is not None and self.fraction_of_tolerance > 1:
-            raise InputError(
-                "the fraction of the tolerance is more than all of it",
-                key="fraction_of_tolerance",
-                got=f"{self.fraction_of_tolerance:.6g}",
-                expected="at most 1 (100 %)",
-            )
-        ((kind, value),) = given.items()
-        return Requirement(kind, value, self.probability)  # type: ignore[arg-type]  # the keys are the kinds
 
 
 class ConeSection(Section):

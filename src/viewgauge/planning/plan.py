@@ -26,11 +26,11 @@ def without_allowed_error(
     """Split dimensions into those that the requirement can judge and those that it cannot, with the reason."""
     judged, refused = [], []
     for dimension in dimensions:
-        if requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm) is None:
-            reason = "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
-            refused.append(Unusable(dimension.id, dimension.kind, reason, dimension.nominal_mm))
-        else:
+        reason = requirement.cannot_judge(dimension.tolerance_mm)
+        if reason is None:
             judged.append(dimension)
+        else:
+            refused.append(Unusable(dimension.id, dimension.kind, reason, dimension.nominal_mm, dimension.tolerance_mm))
     return tuple(judged), tuple(refused)
 
 
