@@ -1,0 +1,140 @@
+"""Where an eye may be: boxes of positions, and what they say of the distances to a gauge's ends."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...visibility import ObservationLimits
+from .distances import DistanceGrid
+
+__all__ = ["EyeRegion", "Faces", "distance_range", "halves", "reachable_distances"]
+
+_SAFE = 1e-9  # of the size, against rounding
+_CELLS_OF_A_GAUGE = 60_000
+_FINE = 2  # bins a cell's distances may span when it is not split any more
+
+
+class EyeRegion(Protocol):
+    """Allowed positions of the camera's centre of projection, part frame, mm."""
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """``(2, 3)``: a box that holds the region."""
+        ...
+
+    def possible(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """``(n,)``: False only if no point of the box ``(n, 3)`` to ``(n, 3)`` is allowed."""
+        ...
+
+    def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """``(n,)``: points ``(n, 3)`` are allowed."""
+        ...
+
+
+class Faces:
+    """Whether each of g gauges can have, at both ends, a face turned to an eye.
+
+    Parameters
+    ----------
+    points, normals
+        ``(g, 2, 3)`` mm and ``(g, 2, k, 3)`` outward unit normals padded with zeros, part frame.
+    """
+
+    def __init__(
+        self, points: NDArray[np.float64], normals: NDArray[np.float64], limits: ObservationLimits
+    ) -> None:
+        self._points, self._normals = points, normals
+        self._offset = np.einsum("gekx,gex->gek", normals, points)
+        self._there = (normals != 0).any(axis=-1)
+        self._sine = math.sin(limits.grazing_angle_rad)
+
+    def possible(
+        self, low: NDArray[np.float64], high: NDArray[np.float64], nearest: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """``(n, g)``: False only if from no point of the box ``(n, 3)`` to ``(n, 3)`` both ends have a face.
+
+        Parameters
+        ----------
+        nearest
+            ``(n, g, 2)`` mm: least distance of each end from the box.
+        """
+        middle, half = (low + high) / 2, (high - low) / 2
+        shape = self._offset.shape
+        flat = self._normals.reshape(-1, 3)
+        height = middle @ flat.T + half @ np.abs(flat).T
+        height = height.reshape(-1, *shape) - self._offset
+        size = np.abs(height) + np.abs(self._offset)
+        turned = (height + _SAFE * size > self._sine * nearest[..., None]) & self._there
+        return np.asarray(turned.any(axis=-1).all(axis=-1))
+
+
+def distance_range(
+    low: NDArray[np.float64], high: NDArray[np.float64], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least and largest distance, ``(n, ...)`` mm, of points ``(..., 3)`` from boxes ``(n, 3)`` to ``(n, 3)``."""
+    expand = (slice(None), *[None] * (points.ndim - 1))
+    below, above = low[expand] - points, points - high[expand]
+    nearest = np.linalg.norm(np.maximum(np.maximum(below, above), 0.0), axis=-1)
+    farthest = np.linalg.norm(np.maximum(np.abs(below), np.abs(above)), axis=-1)
+    return np.asarray(nearest * (1 - _SAFE)), np.asarray(farthest * (1 + _SAFE))
+
+
+def halves(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The boxes ``(n, 3)`` to ``(n, 3)``, each halved along its longest side."""
+    rows, axis = np.arange(len(low)), (high - low).argmax(axis=1)
+    middle = (low[rows, axis] + high[rows, axis]) / 2
+    first, second = high.copy(), low.copy()
+    first[rows, axis] = second[rows, axis] = middle
+    return np.concatenate([low, second]), np.concatenate([first, high])
+
+
+def reachable_distances(
+    points: NDArray[np.float64], normals: NDArray[np.float64], region: EyeRegion, limits: ObservationLimits
+) -> DistanceGrid:
+    """The pairs of distances at which an allowed eye can be, for any of g gauges with a face turned to it at each end.
+
+    Nothing that can occur is left out; what is in the set may be a little too much, by about a bin.
+
+    Parameters
+    ----------
+    points, normals
+        ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.GaugeTable`.
+    """
+    low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
+    nearest, farthest = distance_range(low, high, points)
+    grid = DistanceGrid(float(nearest.min()), float(farthest.max()))
+    for g in range(len(points)):
+        _add_gauge(grid, points[g], Faces(points[g : g + 1], normals[g : g + 1], limits), low, high, region)
+    return grid
+
+
+def _add_gauge(
+    grid: DistanceGrid,
+    ends: NDArray[np.float64],
+    faces: Faces,
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    region: EyeRegion,
+) -> None:
+    """Mark the pairs of one gauge, by halving boxes of eye positions until they are small, empty or say nothing new."""
+    cells = 0
+    while len(low):
+        nearest, farthest = distance_range(low, high, ends)
+        rectangles = grid.rectangles(np.stack([nearest, farthest], axis=-1).reshape(-1, 4))
+        left = ~grid.all_in(rectangles)
+        left[left] = faces.possible(low[left], high[left], nearest[left, None])[:, 0]
+        left[left] = region.possible(low[left], high[left])
+        low, high, rectangles = low[left], high[left], rectangles[left]
+        cells += len(low)
+        small = grid.span(rectangles) <= _FINE if cells < _CELLS_OF_A_GAUGE else np.ones(len(low), dtype=bool)
+        middle = (low + high) / 2
+        distance, _ = distance_range(middle, middle, ends)
+        certain = faces.possible(middle, middle, distance[:, None])[:, 0]
+        certain[certain] = region.allowed(middle[certain])
+        grid.mark_pairs(distance[certain])
+        grid.mark_rectangles(rectangles[small])
+        low, high = halves(low[~small], high[~small])
