@@ -94,7 +94,7 @@ def _middle(alpha, beta, phi, k, w, length, R, view, out):  # type: ignore[no-un
 
 
 @numba.njit(error_model="numpy")
-def _box(box, length, R, view, out):  # type: ignore[no-untyped-def]
+def _box(box, shortest, longest, R, view, out):  # type: ignore[no-untyped-def]
     """Values of one box into ``out`` (:data:`OUT`); returns the axis along which to split it."""
     a0, a1, b0, b1, f0, f1 = box[0, 0], box[0, 1], box[1, 0], box[1, 1], box[2, 0], box[2, 1]
     k0, k1, w0, w1 = math.tan(box[3, 0]), math.tan(box[3, 1]), math.exp(box[4, 0]), math.exp(box[4, 1])
@@ -124,8 +124,8 @@ def _box(box, length, R, view, out):  # type: ignore[no-untyped-def]
     D0 = max(max(D0, D_middle - D_spread - 1e-12 * (D_middle + D_spread)), floor) * (1.0 - _SAFE)
     D1 = min(D1, D_middle + D_spread) * (1.0 + _SAFE)
     # image length and difference of depths
-    G0, G1 = length * w0 / math.sqrt(D1), length * w1 / math.sqrt(D0)
-    cap = length * w1 / math.sqrt(1.0 + bb0)
+    G0, G1 = shortest * w0 / math.sqrt(D1), longest * w1 / math.sqrt(D0)
+    cap = longest * w1 / math.sqrt(1.0 + bb0)
     X0, X1 = _times(k0, k1, G0, G1)
     X0, X1 = max(X0, -cap), min(X1, cap)
     XX0, XX1 = _square(X0, X1)
@@ -159,7 +159,7 @@ def _box(box, length, R, view, out):  # type: ignore[no-untyped-def]
     out[5] = z20 * math.sqrt(1.0 + bb0 + m0) * (1.0 - _SAFE)
     out[6] = z21 * math.sqrt(1.0 + bb1 + m1) * (1.0 + _SAFE)
     # standard deviation, rows of R j each by itself
-    j3 = _middle(am, bm, fm, km, wm, length, R, view, out)
+    j3 = _middle(am, bm, fm, km, wm, shortest, R, view, out)
     wk0, wk1 = _times(w0, w1, k0, k1)
     e00, e01 = _times(wk0, wk1, c0, c1)
     e10, e11 = _times(wk0, wk1, s0, s1)
@@ -248,20 +248,20 @@ def _box(box, length, R, view, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(
-    "void(float64[:,:,::1], float64, float64[:,::1], float64[::1], float64[:,::1], int64[::1])",
+    "void(float64[:,:,::1], float64, float64, float64[:,::1], float64[::1], float64[:,::1], int64[::1])",
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def box_bounds(boxes, length, R, view, out, axis):  # type: ignore[no-untyped-def]
+def box_bounds(boxes, shortest, longest, R, view, out, axis):  # type: ignore[no-untyped-def]
     """Values of n boxes.
 
     Parameters
     ----------
     boxes
         ``(n, 5, 2)``: least and largest of each of :data:`AXES`.
-    length
-        Of the gauge, mm.
+    shortest, longest
+        Between which the gauge's length lies, mm.
     R
         ``(5, 5)`` upper triangular, ``R^T R`` the covariance of the first five of [x, y, z, rx, ry, rz] at the centre
         of projection, camera frame, mm and rad (a turn about the optical axis changes no length).
@@ -272,6 +272,6 @@ def box_bounds(boxes, length, R, view, out, axis):  # type: ignore[no-untyped-de
         ``(n, 13)`` (:data:`OUT`) and ``(n,)``, written: the values, and the axis to split (-1: infeasible).
     """
     for n in range(len(boxes)):
-        axis[n] = _box(boxes[n], length, R, view, out[n])
+        axis[n] = _box(boxes[n], shortest, longest, R, view, out[n])
 
 

@@ -14,10 +14,12 @@ from ...visibility import ObservationLimits
 from .box import AXES, OUT, box_bounds
 from .distances import DistanceGrid
 
-__all__ = ["Bound", "Budget", "acceptable_distances", "probability_bound"]
+__all__ = ["Bound", "Budget", "acceptable_distances", "probability_bound", "widest_tangent"]
 
 _LAW = 1e-10  # added to every upper bound: ten times the error of the closed form
 _BATCH = 1 << 14
+_NEAREST = 1e-6
+"""Eyes nearer to an end than this part of the gauge's length are left out: no lens is there."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,9 @@ class Budget:
 
     boxes: int = 4_000_000
     tightness: float = 0.002
+
+
+DEFAULT_BUDGET = Budget()
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,7 @@ class Bound:
 
 
 def probability_bound(
-    length_mm: float,
+    length_mm: tuple[float, float],
     relative_tolerance: float,
     reachable: DistanceGrid,
     camera: Camera,
@@ -71,7 +76,7 @@ def probability_bound(
     limits: ObservationLimits,
     *,
     target: float,
-    budget: Budget | None = None,
+    budget: Budget = DEFAULT_BUDGET,
 ) -> Bound:
     """Upper bound of Pr{|error| <= T L} over all poses from which the ends have reachable distances.
 
@@ -80,19 +85,22 @@ def probability_bound(
 
     Parameters
     ----------
+    length_mm
+        Between which two the gauge's length lies.
+    relative_tolerance
+        T; of gauges of several lengths the largest.
     target
         The required probability: a search that has met a way to lie that reaches it ends, since no bound below it
         exists then.
     """
     search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits)
-    budget = budget or Budget()
     if not search.possible:
         return Bound(0.0, 0.0, 0, None)
     dropped = 0.0  # highest bound of what was put aside as near enough
     while len(search.boxes) and search.looked_into < budget.boxes:
         if search.found >= target:
             break
-        near = search.upper <= search.found + budget.tightness
+        near = search.upper <= search.found + min(budget.tightness, (target - search.found) / 2)
         dropped = max(dropped, float(search.upper[near].max(initial=0.0)))
         search.keep(~near)
         search.split(search.highest(_BATCH))
@@ -101,7 +109,7 @@ def probability_bound(
 
 
 def acceptable_distances(
-    length_mm: float,
+    length_mm: tuple[float, float],
     relative_tolerance: float,
     reachable: DistanceGrid,
     camera: Camera,
@@ -109,11 +117,10 @@ def acceptable_distances(
     limits: ObservationLimits,
     *,
     required: float,
-    budget: Budget | None = None,
+    budget: Budget = DEFAULT_BUDGET,
 ) -> DistanceGrid:
     """The pairs of reachable distances at which the required probability is not excluded."""
     search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits)
-    budget = budget or Budget()
     accepted = DistanceGrid(reachable.shortest_mm, reachable.longest_mm, len(reachable.cells))
     while search.possible and len(search.boxes):
         rectangles = accepted.rectangles(search.distances)
@@ -134,7 +141,7 @@ class _Search:
 
     def __init__(
         self,
-        length_mm: float,
+        length_mm: tuple[float, float],
         relative_tolerance: float,
         reachable: DistanceGrid,
         camera: Camera,
@@ -148,7 +155,7 @@ class _Search:
         self.looked_into, self.found, self.at = 0, 0.0, None
         self._empty()
         low, high = self._view[:2], self._view[2:4]
-        self.possible = bool((low <= high).all()) and not reachable.empty and length_mm > 0
+        self.possible = bool((low <= high).all()) and not reachable.empty and length_mm[0] > 0
         if self.possible:
             boxes = self._first_boxes()
             self.possible = len(boxes) > 0
@@ -164,13 +171,13 @@ class _Search:
         near, far = self._reachable.range_mm()
         widest = self._view[11]
         # an end at distance r has a depth between r/sqrt(1 + widest²) and r
-        near = max(near / math.hypot(1.0, widest), self._view[4], 1e-6 * self._length)
+        near = max(near / math.hypot(1.0, widest), self._view[4], _NEAREST * self._length[0])
         far = min(far, self._view[5])
         if near > far:
             return np.zeros((0, AXES, 2))
         # D >= k²: a gauge that lies along the line of sight has too short an image
         shortest = self._view[8] / math.hypot(self._view[6], self._view[7])
-        steepest = math.pi / 2 if shortest == 0 else math.atan(self._length / near / shortest)
+        steepest = math.pi / 2 if shortest == 0 else math.atan(self._length[1] / near / shortest)
         tangents, quarters = (-widest, widest), (0.0, math.pi / 2, math.pi)
         return np.array(
             [
@@ -183,7 +190,7 @@ class _Search:
     def _add(self, boxes: NDArray[np.float64], parents: NDArray[np.float64]) -> None:
         """Look into boxes whose parents had these bounds, and open those that are feasible."""
         values, axis = np.empty((len(boxes), OUT)), np.empty(len(boxes), np.int64)
-        box_bounds(boxes, self._length, self._R, self._view, values, axis)
+        box_bounds(boxes, *self._length, self._R, self._view, values, axis)
         self.looked_into += len(boxes)
         feasible = axis >= 0
         feasible[feasible] = self._reachable.any_in(self._reachable.rectangles(values[feasible, 3:7]))
@@ -239,6 +246,11 @@ class _Search:
         halves[rows, axis, 1] = middle
         halves[len(boxes) + rows, axis, 0] = middle
         self._add(halves, np.append(upper, upper))
+
+
+def widest_tangent(camera: Camera, limits: ObservationLimits) -> float:
+    """Tangent of the largest angle from the optical axis at which an end of a gauge may be seen."""
+    return float(_view(camera, limits)[11])
 
 
 def _view(camera: Camera, limits: ObservationLimits) -> NDArray[np.float64]:

@@ -63,6 +63,11 @@ class DistanceGrid:
         self.cells |= change.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] > 0
         self._sum_up()
 
+    def fill(self) -> None:
+        """All pairs."""
+        self.cells[:] = True
+        self._sum_up()
+
     def restrict(self, other: DistanceGrid) -> None:
         """Keep only what is also in another set of the same range."""
         self.cells &= other.cells
@@ -85,9 +90,11 @@ class DistanceGrid:
         a, b, c, d = rectangles.T
         return self._count(rectangles) == (b - a + 1) * (d - c + 1)
 
-    def span(self, rectangles: NDArray[np.int64]) -> NDArray[np.int64]:
-        """``(n,)``: bins along the longer side of the rectangle ``(n, 4)``."""
-        return np.asarray(np.maximum(rectangles[:, 1] - rectangles[:, 0], rectangles[:, 3] - rectangles[:, 2]) + 1)
+    def narrow(self, distances_mm: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """``(n,)``: neither r_1 nor r_2 has more than a bin's width between its least and largest, ``(n, 4)`` mm."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            place = np.maximum((np.log(distances_mm) - self._first) * self._per_bin, 0.0)
+        return np.asarray((place[:, 1] - place[:, 0] <= 1) & (place[:, 3] - place[:, 2] <= 1))
 
     @property
     def empty(self) -> bool:

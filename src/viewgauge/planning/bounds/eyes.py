@@ -15,7 +15,7 @@ __all__ = ["EyeRegion", "Faces", "distance_range", "halves", "reachable_distance
 
 _SAFE = 1e-9  # of the size, against rounding
 _CELLS_OF_A_GAUGE = 60_000
-_FINE = 2  # bins a cell's distances may span when it is not split any more
+_ROUGH_BINS = 24  # of a first look, which only finds the range of the distances
 
 
 class EyeRegion(Protocol):
@@ -106,9 +106,15 @@ def reachable_distances(
     """
     low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
     nearest, farthest = distance_range(low, high, points)
-    grid = DistanceGrid(float(nearest.min()), float(farthest.max()))
-    for g in range(len(points)):
-        _add_gauge(grid, points[g], Faces(points[g : g + 1], normals[g : g + 1], limits), low, high, region)
+    grid = DistanceGrid(float(nearest.min()), float(farthest.max()), _ROUGH_BINS)
+    faces = [Faces(points[g : g + 1], normals[g : g + 1], limits) for g in range(len(points))]
+    for ends, turned in zip(points, faces, strict=True):
+        _add_gauge(grid, ends, turned, low, high, region)
+    if grid.empty:
+        return grid
+    grid = DistanceGrid(*grid.range_mm())
+    for ends, turned in zip(points, faces, strict=True):
+        _add_gauge(grid, ends, turned, low, high, region)
     return grid
 
 
@@ -124,13 +130,14 @@ def _add_gauge(
     cells = 0
     while len(low):
         nearest, farthest = distance_range(low, high, ends)
-        rectangles = grid.rectangles(np.stack([nearest, farthest], axis=-1).reshape(-1, 4))
+        ranges = np.stack([nearest, farthest], axis=-1).reshape(-1, 4)
+        rectangles = grid.rectangles(ranges)
         left = ~grid.all_in(rectangles)
         left[left] = faces.possible(low[left], high[left], nearest[left, None])[:, 0]
         left[left] = region.possible(low[left], high[left])
         low, high, rectangles = low[left], high[left], rectangles[left]
         cells += len(low)
-        small = grid.span(rectangles) <= _FINE if cells < _CELLS_OF_A_GAUGE else np.ones(len(low), dtype=bool)
+        small = grid.narrow(ranges[left]) if cells < _CELLS_OF_A_GAUGE else np.ones(len(low), dtype=bool)
         middle = (low + high) / 2
         distance, _ = distance_range(middle, middle, ends)
         certain = faces.possible(middle, middle, distance[:, None])[:, 0]
