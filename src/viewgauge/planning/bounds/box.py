@@ -273,5 +273,3 @@ def box_bounds(boxes, shortest, longest, R, view, out, axis):  # type: ignore[no
     """
     for n in range(len(boxes)):
         axis[n] = _box(boxes[n], shortest, longest, R, view, out[n])
-
-

@@ -152,7 +152,8 @@ class _Search:
         factor = (error.adjoint @ error.factor)[:AXES]
         self._R = np.ascontiguousarray(np.linalg.qr(factor.T, mode="r"))
         self._view = _view(camera, limits)
-        self.looked_into, self.found, self.at = 0, 0.0, None
+        self.looked_into, self.found = 0, 0.0
+        self.at: tuple[float, ...] | None = None
         self._empty()
         low, high = self._view[:2], self._view[2:4]
         self.possible = bool((low <= high).all()) and not reachable.empty and length_mm[0] > 0

@@ -73,9 +73,7 @@ class CellSets:
             )
             self._groups.append((members, accepted))
 
-    def of(
-        self, low: NDArray[np.float64], high: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    def of(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """The sets ``(m, d)`` of cells ``(n, 3)`` to ``(n, 3)`` mm, and for each the index of its cell ``(m,)``."""
         owners, sets = [np.zeros(0, np.int64)], [np.zeros((0, len(self._gauges.first)), dtype=bool)]
         step = max(_PAIRS // max(len(self._gauges), 1), 1)

@@ -125,8 +125,8 @@ def _cause(pose: Bound, pixels: Bound, required: float) -> str:
 def _remains(bound: Bound, required: float) -> str:
     if bound.found >= required:
         return (
-            f"not excluded: but for occlusion and other faces {_down(bound.found)} is possible at a pose between the "
-            "candidates; more candidates may find it"
+            f"not excluded: occlusion apart, {_down(bound.found)} may be possible at a pose between the candidates; "
+            "more candidates may find it"
         )
     return f"not decided: at most {_up(bound.upper)} anywhere, where {_down(required)} is required"
 

@@ -33,7 +33,7 @@ class DistanceGrid:
         self.cells = np.zeros((bins, bins), dtype=bool)
         self._sums = np.zeros((bins + 1, bins + 1), np.int64)
 
-    def _bin(self, distance_mm: NDArray[np.float64], slack: float) -> NDArray[np.int64]:
+    def _bin(self, distance_mm: NDArray[np.float64], slack: NDArray[np.float64] | float) -> NDArray[np.int64]:
         with np.errstate(divide="ignore"):
             place = (np.log(distance_mm) - self._first) * self._per_bin
         return np.clip(np.floor(place + slack), 0, len(self.cells) - 1).astype(np.int64)
@@ -88,7 +88,7 @@ class DistanceGrid:
     def all_in(self, rectangles: NDArray[np.int64]) -> NDArray[np.bool_]:
         """``(n,)``: all cells of the rectangle ``(n, 4)`` belong to the set."""
         a, b, c, d = rectangles.T
-        return self._count(rectangles) == (b - a + 1) * (d - c + 1)
+        return np.asarray(self._count(rectangles) == (b - a + 1) * (d - c + 1))
 
     def narrow(self, distances_mm: NDArray[np.float64]) -> NDArray[np.bool_]:
         """``(n,)``: neither r_1 nor r_2 has more than a bin's width between its least and largest, ``(n, 4)`` mm."""

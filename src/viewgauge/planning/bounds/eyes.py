@@ -14,8 +14,10 @@ from .distances import DistanceGrid
 __all__ = ["EyeRegion", "Faces", "distance_range", "halves", "reachable_distances"]
 
 _SAFE = 1e-9  # of the size, against rounding
-_CELLS_OF_A_GAUGE = 60_000
-_ROUGH_BINS = 24  # of a first look, which only finds the range of the distances
+_CELLS = 250_000  # of eye positions, shared by the gauges; what is left then counts as reachable
+_FEWEST_CELLS = 25_000  # of each gauge
+_ROUGH_CELLS = 10_000
+_ROUGH_BINS = 96  # of a first look, which only finds the range of the distances
 
 
 class EyeRegion(Protocol):
@@ -44,9 +46,7 @@ class Faces:
         ``(g, 2, 3)`` mm and ``(g, 2, k, 3)`` outward unit normals padded with zeros, part frame.
     """
 
-    def __init__(
-        self, points: NDArray[np.float64], normals: NDArray[np.float64], limits: ObservationLimits
-    ) -> None:
+    def __init__(self, points: NDArray[np.float64], normals: NDArray[np.float64], limits: ObservationLimits) -> None:
         self._points, self._normals = points, normals
         self._offset = np.einsum("gekx,gex->gek", normals, points)
         self._there = (normals != 0).any(axis=-1)
@@ -109,12 +109,12 @@ def reachable_distances(
     grid = DistanceGrid(float(nearest.min()), float(farthest.max()), _ROUGH_BINS)
     faces = [Faces(points[g : g + 1], normals[g : g + 1], limits) for g in range(len(points))]
     for ends, turned in zip(points, faces, strict=True):
-        _add_gauge(grid, ends, turned, low, high, region)
+        _add_gauge(grid, ends, turned, low, high, region, _ROUGH_CELLS)
     if grid.empty:
         return grid
     grid = DistanceGrid(*grid.range_mm())
     for ends, turned in zip(points, faces, strict=True):
-        _add_gauge(grid, ends, turned, low, high, region)
+        _add_gauge(grid, ends, turned, low, high, region, max(_CELLS // len(points), _FEWEST_CELLS))
     return grid
 
 
@@ -125,6 +125,7 @@ def _add_gauge(
     low: NDArray[np.float64],
     high: NDArray[np.float64],
     region: EyeRegion,
+    most_cells: int,
 ) -> None:
     """Mark the pairs of one gauge, by halving boxes of eye positions until they are small, empty or say nothing new."""
     cells = 0
@@ -137,7 +138,7 @@ def _add_gauge(
         left[left] = region.possible(low[left], high[left])
         low, high, rectangles = low[left], high[left], rectangles[left]
         cells += len(low)
-        small = grid.narrow(ranges[left]) if cells < _CELLS_OF_A_GAUGE else np.ones(len(low), dtype=bool)
+        small = grid.narrow(ranges[left]) if cells < most_cells else np.ones(len(low), dtype=bool)
         middle = (low + high) / 2
         distance, _ = distance_range(middle, middle, ends)
         certain = faces.possible(middle, middle, distance[:, None])[:, 0]

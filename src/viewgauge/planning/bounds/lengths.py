@@ -19,9 +19,13 @@ def gauge_groups(length_mm: NDArray[np.float64], allowed_error_mm: NDArray[np.fl
     groups: list[GaugeGroup] = []
     first = 0
     for last in range(1, len(order) + 1):
-        if last < len(order) and all(
-            values[order[last]] <= values[order[first]] * (1 + _SAME) for values in (length_mm, allowed_error_mm)
-        ) and length_mm[order[last]] * (1 + _SAME) >= length_mm[order[first]]:
+        if (
+            last < len(order)
+            and all(
+                values[order[last]] <= values[order[first]] * (1 + _SAME) for values in (length_mm, allowed_error_mm)
+            )
+            and length_mm[order[last]] * (1 + _SAME) >= length_mm[order[first]]
+        ):
             continue
         members = order[first:last]
         lengths = length_mm[members]

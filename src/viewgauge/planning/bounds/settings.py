@@ -41,7 +41,8 @@ class SettingsBound:
     count
         No plan in the region measures all dimensions with fewer settings.
     apart
-        Ids of ``count`` dimensions of which no two can be measured from one setting, where such are known; else empty.
+        Ids of ``count`` > 1 dimensions of which no two can be measured from one setting, where such are known; else
+        empty.
     cells
         Cells of eye positions looked into.
     """
@@ -68,7 +69,7 @@ def settings_lower_bound(
     Parameters
     ----------
     dimensions
-        Those that the plan measures.
+        Those that the plan measures. One that can be measured from nowhere counts for nothing.
     attained
         ``(n, d)``: what actual settings measure, such as the candidates; spares work.
     enough
@@ -102,7 +103,7 @@ def settings_lower_bound(
         halved = halves(found.low[split], found.high[split])
         looked_into += len(halved[0])
         found = found.part(~np.isin(found.owner, split)).joined(_Cells.of(sets, *halved))
-    apart = _apart(rows, best)
+    apart = _apart(rows, best) if best > 1 else []
     return SettingsBound(best, tuple(dimensions[j].id for j in apart), looked_into)
 
 
