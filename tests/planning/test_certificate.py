@@ -68,8 +68,9 @@ def test_a_search_cut_short_says_so():
         # the ends are on faces turned away from each other: within the region no eye sees both
         (dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[-1, 0, 0]], [[1, 0, 0]])), REGION),
         (ON_TOP, Shell(250.0, 450.0, above=500.0)),
+        (ON_TOP, Shell(250.0, -450.0)),
     ],
-    ids=["below", "back to back", "no region"],
+    ids=["below", "back to back", "no region", "bounds that exclude each other"],
 )
 def test_faces_turned_to_no_allowed_eye(measured, region):
     certificate = certify(measured, REQUIREMENT, CAMERA, NO_ERROR, LIMITS, region)

@@ -91,6 +91,7 @@ def test_what_is_known_to_suffice_ends_the_search():
 @pytest.mark.parametrize("dimensions", [[], [on_face("front", (0, 0, 1))]])
 def test_nothing_to_measure_or_nowhere_to_stand_needs_no_setting(dimensions):
     assert bound(dimensions, Shell(250.0, 450.0, above=500.0)).count == 0
+    assert bound(dimensions, Shell(250.0, -450.0)).count == 0
 
 
 @given(st.integers(0, 2**32 - 1))

@@ -16,7 +16,7 @@ from ...visibility import ObservationLimits
 from ..candidates import spread_directions
 from .branch import Budget, acceptable_distances, widest_tangent
 from .distances import DistanceGrid
-from .eyes import EyeRegion, Faces, distance_range
+from .eyes import EyeRegion, Faces, distance_range, first_cell
 from .lengths import gauge_groups
 
 __all__ = ["AXES", "AXES_APART_RAD", "CellSets"]
@@ -56,8 +56,8 @@ class CellSets:
         self._axes = spread_directions(AXES)
         allowed = np.array([_allowed(requirement, dimension) for dimension in dimensions])
         self._groups: list[tuple[NDArray[np.int64], DistanceGrid]] = []
-        low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
-        for members, length, tolerance in gauge_groups(gauges.length_mm, allowed[gauges.dimension]):
+        low, high = first_cell(region)
+        for members, length, tolerance in gauge_groups(gauges.length_mm, allowed[gauges.dimension]) if len(low) else ():
             nearest, farthest = distance_range(low, high, gauges.points[members])
             anywhere = DistanceGrid(float(nearest.min()), float(farthest.max()), _BINS)
             anywhere.fill()

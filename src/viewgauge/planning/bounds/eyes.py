@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...visibility import ObservationLimits
 from .distances import DistanceGrid
 
-__all__ = ["EyeRegion", "Faces", "distance_range", "halves", "reachable_distances"]
+__all__ = ["EyeRegion", "Faces", "distance_range", "first_cell", "halves", "reachable_distances"]
 
 _SAFE = 1e-9  # of the size, against rounding
 _CELLS = 250_000  # of eye positions, shared by the gauges; what is left then counts as reachable
@@ -35,6 +35,13 @@ class EyeRegion(Protocol):
     def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """``(n,)``: points ``(n, 3)`` are allowed."""
         ...
+
+
+def first_cell(region: EyeRegion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The region's bounds as one box ``(1, 3)`` to ``(1, 3)``; none where they exclude each other."""
+    low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
+    some = (low <= high).all(axis=1)
+    return low[some], high[some]
 
 
 class Faces:
@@ -104,7 +111,9 @@ def reachable_distances(
     points, normals
         ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.GaugeTable`.
     """
-    low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
+    low, high = first_cell(region)
+    if not len(low):
+        return DistanceGrid(1.0, 1.0)
     nearest, farthest = distance_range(low, high, points)
     grid = DistanceGrid(float(nearest.min()), float(farthest.max()), _ROUGH_BINS)
     faces = [Faces(points[g : g + 1], normals[g : g + 1], limits) for g in range(len(points))]

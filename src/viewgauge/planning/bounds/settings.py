@@ -23,7 +23,7 @@ from ...visibility import ObservationLimits
 from ..cover import minimum_cover
 from ..dominance import maximal_rows
 from .cells import CellSets
-from .eyes import EyeRegion, halves
+from .eyes import EyeRegion, first_cell, halves
 
 __all__ = ["SettingsBound", "settings_lower_bound"]
 
@@ -81,8 +81,8 @@ def settings_lower_bound(
         return SettingsBound(0, (), 0)
     sets = CellSets(dimensions, requirement, camera, error, limits, region)
     known = np.zeros((0, len(dimensions)), dtype=bool) if attained is None else np.asarray(attained, dtype=bool)
-    low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
-    smallest = _SMALLEST * float((high - low).max())
+    low, high = first_cell(region)
+    smallest = _SMALLEST * float((high - low).max(initial=0.0))
     found = _Cells.of(sets, low, high)
     best, rows, looked_into = -1, known, 1
     while True:
