@@ -116,7 +116,7 @@ def test_the_bound_is_never_above_a_cover_that_exists(seed):
         return
     measured = [d for d, m in zip(dimensions, met, strict=True) if m]
     cover = minimum_cover(accepted[:, met])
-    proof = bound(measured, REGION, CAMERA, head, requirement, cells=3000)
+    proof = bound(measured, REGION, CAMERA, head, requirement, work=3_000_000)
     assert proof.count <= len(cover.chosen)
     together = accepted[:, met].T.astype(int) @ accepted[:, met]
     apart = [[d.id for d in measured].index(name) for name in proof.apart]

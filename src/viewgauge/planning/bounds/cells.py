@@ -28,7 +28,6 @@ AXES_APART_RAD = 0.14
 _BINS = 64
 _BUDGET_OF_A_LENGTH = Budget(boxes=300_000)
 _PAIRS = 1 << 18  # cell x gauge at once
-_ANGLES = 1 << 21  # cell x viewing direction x gauge end at once
 _NEAR = 0.5  # of the distance: larger cells are not looked at direction by direction
 
 
@@ -56,6 +55,8 @@ class CellSets:
         self._axes = spread_directions(AXES)
         allowed = np.array([_allowed(requirement, dimension) for dimension in dimensions])
         self._groups: list[tuple[NDArray[np.int64], DistanceGrid]] = []
+        self.looked_at = 0
+        """Pairs of a cell, or a cell and a viewing direction, with a gauge's end, so far."""
         low, high = first_cell(region)
         for members, length, tolerance in gauge_groups(gauges.length_mm, allowed[gauges.dimension]) if len(low) else ():
             nearest, farthest = distance_range(low, high, gauges.points[members])
@@ -88,6 +89,7 @@ class CellSets:
         self, low: NDArray[np.float64], high: NDArray[np.float64]
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.bool_]]]:
         points = self._gauges.points
+        self.looked_at += 2 * len(points) * len(low)
         nearest, farthest = distance_range(low, high, points)
         measurable = self._faces.possible(low, high, nearest) & self._region.possible(low, high)[:, None]
         for members, accepted in self._groups:
@@ -110,20 +112,24 @@ class CellSets:
         wide = (apart.any(axis=2) & measurable).any(axis=1)
         wide &= (np.where(measurable, slack.max(axis=2), 0.0)).max(axis=1, initial=0.0) < _NEAR
         yield some[~wide], self._dimensions(measurable[~wide])
-        step = max(_ANGLES // (len(self._axes) * points.shape[0] * 2), 1)
-        indices = np.flatnonzero(wide)
-        for first in range(0, len(indices), step):
-            k = indices[first : first + step]
-            reach = np.cos(np.minimum(self._half_view_rad + AXES_APART_RAD + slack[k], np.pi))
-            seen = (np.einsum("ngex,ax->nage", sight[k], self._axes, optimize=True) >= reach[:, None]).all(axis=-1)
-            sets = self._dimensions((seen & measurable[k][:, None]).reshape(-1, len(points)))
-            owner = np.repeat(some[k], len(self._axes))
-            keyed, where = np.unique(
-                np.column_stack([owner, np.packbits(sets, axis=1).astype(np.int64)]), axis=0, return_index=True
-            )
-            del keyed
-            where = where[sets[where].any(axis=1)]
-            yield owner[where], sets[where]
+        for k in np.flatnonzero(wide):
+            gauges = np.flatnonzero(measurable[k])
+            sets = self._by_direction(gauges, sight[k, gauges], slack[k, gauges])
+            yield np.full(len(sets), some[k]), sets
+
+    def _by_direction(
+        self, gauges: NDArray[np.int64], sight: NDArray[np.float64], slack: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Different sets ``(m, d)`` of a cell's k gauges: unit vectors to the ends ``(k, 2, 3)``, their spread, rad."""
+        self.looked_at += 2 * len(gauges) * AXES
+        reach = np.cos(np.minimum(self._half_view_rad + AXES_APART_RAD + slack, np.pi)) - 1e-9
+        seen = (sight @ self._axes.T >= reach[..., None]).all(axis=1)
+        dimension = self._gauges.dimension[gauges]
+        first = np.flatnonzero(np.diff(dimension, prepend=-1))
+        sets = np.zeros((AXES, len(self._gauges.first)), dtype=bool)
+        sets[:, dimension[first]] = np.logical_or.reduceat(seen, first, axis=0).T
+        _, which = np.unique(np.packbits(sets, axis=1), axis=0, return_index=True)
+        return np.asarray(sets[which[sets[which].any(axis=1)]])
 
     def _dimensions(self, gauges: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """``(m, d)`` from ``(m, g)``: some gauge of the dimension."""

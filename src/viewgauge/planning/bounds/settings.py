@@ -28,6 +28,7 @@ from .eyes import EyeRegion, first_cell, halves
 __all__ = ["SettingsBound", "settings_lower_bound"]
 
 _SPLIT_AT_ONCE = 2048
+_WORK = 400_000_000  # pairs of a cell and a viewing direction with a gauge's end: some 10 s
 _SMALLEST = 1e-4  # of the region's size: cells are not split any more
 _COVER_TIME_S = 5.0
 
@@ -62,7 +63,7 @@ def settings_lower_bound(
     *,
     attained: NDArray[np.bool_] | None = None,
     enough: int | None = None,
-    cells: int = 60_000,
+    work: int = _WORK,
 ) -> SettingsBound:
     """Lower bound of the number of settings that measure all dimensions, over the continuous region.
 
@@ -74,8 +75,8 @@ def settings_lower_bound(
         ``(n, d)``: what actual settings measure, such as the candidates; spares work.
     enough
         Number of settings of a known plan: reached, the bound is as high as it can be.
-    cells
-        Cells looked into at most.
+    work
+        Pairs of a cell and a viewing direction with an end of a gauge, looked at at most.
     """
     if not dimensions:
         return SettingsBound(0, (), 0)
@@ -95,9 +96,10 @@ def settings_lower_bound(
         count = _least_cover(every)
         if count >= best:
             best, rows = count, every
-        if (enough is not None and best >= enough) or looked_into >= cells:
+        if (enough is not None and best >= enough) or sets.looked_at >= work:
             break
-        split = found.largest(every, smallest)
+        spent = sets.looked_at / looked_into
+        split = found.largest(every, smallest, max(int((work - sets.looked_at) / (4 * spent)), 1))
         if not len(split):
             break
         halved = halves(found.low[split], found.high[split])
@@ -125,12 +127,12 @@ class _Cells:
         cells, owner = np.unique(self.owner[kept], return_inverse=True)
         return _Cells(self.low[cells], self.high[cells], owner, self.sets[kept])
 
-    def largest(self, maximal: NDArray[np.bool_], smallest_mm: float) -> NDArray[np.int64]:
-        """Cells with a set among the maximal ones, the biggest cells first, at most so many as are split at once."""
+    def largest(self, maximal: NDArray[np.bool_], smallest_mm: float, most: int) -> NDArray[np.int64]:
+        """Cells with a set among the maximal ones, the biggest cells first."""
         which = np.unique(self.owner[np.isin(_keys(self.sets), _keys(maximal))])
         size = (self.high - self.low)[which].max(axis=1, initial=0.0)
         which, size = which[size > smallest_mm], size[size > smallest_mm]
-        return np.asarray(which[np.argsort(-size, kind="stable")[:_SPLIT_AT_ONCE]])
+        return np.asarray(which[np.argsort(-size, kind="stable")[: min(_SPLIT_AT_ONCE, most)]])
 
     def joined(self, other: _Cells) -> _Cells:
         return _Cells(
