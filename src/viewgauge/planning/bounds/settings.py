@@ -98,7 +98,7 @@ def settings_lower_bound(
             best, rows = count, every
         if (enough is not None and best >= enough) or sets.looked_at >= work:
             break
-        spent = sets.looked_at / looked_into
+        spent = max(sets.looked_at, 1) / looked_into
         split = found.largest(every, smallest, max(int((work - sets.looked_at) / (4 * spent)), 1))
         if not len(split):
             break
