@@ -1,0 +1,142 @@
+"""What is proven of a dimension that no candidate measures as surely as required."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...evaluation import Requirement
+from ...geometry import Camera, PoseError
+from ...part import Dimension
+from ...part.gauge_table import GaugeTable
+from ...visibility import ObservationLimits
+from .branch import DEFAULT_BUDGET, Bound, Budget, probability_bound
+from .distances import DistanceGrid
+from .eyes import EyeRegion, reachable_distances
+from .lengths import GaugeGroup, gauge_groups
+
+__all__ = ["Certificate", "certify"]
+
+_PLACES = 4  # of a probability in words
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """An upper bound of a dimension's probability over all camera poses of a region.
+
+    Parameters
+    ----------
+    dimension_id
+        Whose.
+    upper_bound
+        No pose whose centre of projection is in the region measures the dimension more surely.
+    proven
+        The bound is below the required probability: no pose meets the dimension.
+    cause
+        One sentence: which error alone prevents it, or what of it remains possible.
+    """
+
+    dimension_id: str
+    upper_bound: float
+    proven: bool
+    cause: str
+
+
+def certify(
+    dimension: Dimension,
+    requirement: Requirement,
+    camera: Camera,
+    error: PoseError,
+    limits: ObservationLimits,
+    region: EyeRegion,
+    *,
+    budget: Budget = DEFAULT_BUDGET,
+) -> Certificate:
+    """Bound the probability of a dimension over a region of eye positions, all ways to turn the camera included.
+
+    Of the joint model; occlusion is left out, which only raises the bound.
+
+    Parameters
+    ----------
+    dimension
+        With at least one gauge and an allowed error under the requirement.
+    budget
+        Of each of the searches: three for each length of a gauge.
+    """
+    gauges = GaugeTable.of([dimension])
+    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
+    if allowed is None:
+        raise ValueError(f"dimension {dimension.id} has no tolerance, which the requirement needs")
+    reach = []
+    for group in gauge_groups(gauges.length_mm, np.full(len(gauges), allowed)):
+        distances = reachable_distances(gauges.points[group[0]], gauges.normals[group[0]], region, limits)
+        if not distances.empty:
+            reach.append((group, distances))
+    required = requirement.probability
+    if not reach:
+        cause = "from no allowed camera position are faces at both ends of a gauge turned to the camera"
+        return Certificate(dimension.id, 0.0, True, cause)
+    bound = _over_all(reach, camera, error, limits, required, budget)
+    if bound.upper == 0:
+        cause = "in no allowed pose are both ends of a gauge in the image, in focus and far enough apart"
+        return Certificate(dimension.id, 0.0, True, cause)
+    if bound.proves_below(required):
+        ideal_locator, no_error = replace(camera, edge_resolution_px=0.0), PoseError(np.zeros((6, 6)))
+        pose = _over_all(reach, ideal_locator, error, limits, required, budget)
+        pixels = _over_all(reach, camera, no_error, limits, required, budget)
+        return Certificate(dimension.id, bound.upper, True, _cause(pose, pixels, required))
+    return Certificate(dimension.id, bound.upper, False, _remains(bound, required))
+
+
+def _over_all(
+    reach: Sequence[tuple[GaugeGroup, DistanceGrid]],
+    camera: Camera,
+    error: PoseError,
+    limits: ObservationLimits,
+    required: float,
+    budget: Budget,
+) -> Bound:
+    """The highest bound of several groups of gauges."""
+    bounds = [
+        probability_bound(length, tolerance, distances, camera, error, limits, target=required, budget=budget)
+        for (_, length, tolerance), distances in reach
+    ]
+    best = max(bounds, key=lambda bound: bound.found)
+    return Bound(max(b.upper for b in bounds), best.found, sum(b.boxes for b in bounds), best.at)
+
+
+def _cause(pose: Bound, pixels: Bound, required: float) -> str:
+    """Which error alone keeps the dimension below the required probability, wherever the camera stands."""
+    by_pose, by_pixels = pose.proves_below(required), pixels.proves_below(required)
+    at_most_pose = f"even with an ideal edge locator at most {_up(pose.upper)}"
+    at_most_pixels = f"even with a head without error at most {_up(pixels.upper)}"
+    if by_pose and by_pixels:
+        return f"pose error and pixels each prevent it alone: {at_most_pose}, {at_most_pixels}"
+    if by_pose:
+        return f"the pose error alone prevents it: {at_most_pose}"
+    if by_pixels:
+        return f"the pixels alone prevent it: {at_most_pixels}"
+    return "pose error and pixels prevent it together; neither alone is known to"
+
+
+def _remains(bound: Bound, required: float) -> str:
+    if bound.found >= required:
+        return (
+            f"not excluded: occlusion apart, {_down(bound.found)} may be possible at a pose between the candidates; "
+            "more candidates may find it"
+        )
+    return f"not decided: at most {_up(bound.upper)} anywhere, where {_down(required)} is required"
+
+
+def _up(probability: float) -> str:
+    """Rounded up: a bound stays one."""
+    scale = 10**_PLACES
+    return f"{min(math.ceil(probability * scale) / scale, 1.0):.{_PLACES}f}"
+
+
+def _down(probability: float) -> str:
+    scale = 10**_PLACES
+    return f"{math.floor(probability * scale) / scale:.{_PLACES}f}"

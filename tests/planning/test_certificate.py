@@ -1,0 +1,94 @@
+"""What is proven of an unmet dimension, in words and numbers, for cases whose answer is known."""
+
+import re
+
+import numpy as np
+import pytest
+from bounded_regions import Shell, dimension, gauge, probabilities, random_poses
+
+from viewgauge.evaluation import Requirement
+from viewgauge.geometry import Camera, PoseError
+from viewgauge.planning.bounds import Budget, certify
+from viewgauge.visibility import ObservationLimits
+
+CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)
+LIMITS = ObservationLimits()
+REQUIREMENT = Requirement("accuracy", 0.999, 0.95)
+REGION = Shell(250.0, 450.0)
+ON_TOP = dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]))
+NO_ERROR = PoseError(np.zeros((6, 6)))
+
+
+def test_pose_error_alone_is_named():
+    # along the axis 2 mm of 450 mm are 0.44 %, of which the depth alone takes the length: 2 Phi(0.225) - 1 = 0.178
+    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(2.0, 0.0), LIMITS, REGION)
+    assert certificate.proven
+    assert certificate.dimension_id == "D"
+    assert certificate.cause.startswith("the pose error alone prevents it: even with an ideal edge locator at most 0.")
+    assert 0.178 < certificate.upper_bound < 0.25
+
+
+def test_pixels_alone_are_named():
+    # in the middle of the image 20 mm are 371 px at 250 mm: of a whole pixel 0.371 are allowed, P = 1 - (1 - 0.371)^2 =
+    # 0.604; in its corner, 18 deg off the axis, an image is up to a tenth longer, which gives 0.65
+    coarse = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
+    certificate = certify(ON_TOP, REQUIREMENT, coarse, NO_ERROR, LIMITS, REGION)
+    assert certificate.proven
+    assert certificate.cause.startswith("the pixels alone prevent it: even with a head without error at most 0.")
+    assert 0.604 < certificate.upper_bound < 0.72
+
+
+def test_the_bound_in_words_is_not_below_the_one_in_numbers():
+    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(2.0, 0.0), LIMITS, REGION)
+    said = float(re.search(r"at most (\d\.\d+)", certificate.cause).group(1))
+    poses = random_poses(np.random.default_rng(1), REGION, (0, 0, 0), 20.0, 3000)
+    ideal = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.0)
+    head = PoseError.from_standard_deviations(2.0, 0.0)
+    assert probabilities(poses, ON_TOP, 0.02, ideal, head, LIMITS).max() <= said
+
+
+def test_what_a_pose_meets_is_not_called_unmet():
+    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(0.02, 1e-5), LIMITS, REGION)
+    assert not certificate.proven
+    assert certificate.upper_bound >= 0.95
+    assert certificate.cause.startswith("not excluded")
+
+
+def test_a_search_cut_short_says_so():
+    head = PoseError.from_standard_deviations(0.5, 1e-4)
+    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, head, LIMITS, REGION, budget=Budget(boxes=2))
+    assert not certificate.proven
+    assert certificate.cause.startswith("not decided")
+
+
+@pytest.mark.parametrize(
+    ("measured", "region"),
+    [
+        (dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, -1]])), Shell(250.0, 450.0, above=50.0)),
+        # the ends are on faces turned away from each other: within the region no eye sees both
+        (dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[-1, 0, 0]], [[1, 0, 0]])), REGION),
+        (ON_TOP, Shell(250.0, 450.0, above=500.0)),
+        (ON_TOP, Shell(250.0, -450.0)),
+    ],
+    ids=["below", "back to back", "no region", "bounds that exclude each other"],
+)
+def test_faces_turned_to_no_allowed_eye(measured, region):
+    certificate = certify(measured, REQUIREMENT, CAMERA, NO_ERROR, LIMITS, region)
+    assert certificate.proven
+    assert certificate.upper_bound == 0.0
+    assert "turned to the camera" in certificate.cause
+
+
+def test_gauges_of_several_lengths_are_bounded_together():
+    head = PoseError.from_standard_deviations(0.4, 1e-4)
+    both = dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]), gauge((-30, 5, 0), (30, 5, 0), [[0, 0, 1]]))
+    certificate = certify(both, Requirement("error", 0.02, 0.95), CAMERA, head, LIMITS, REGION)
+    poses = random_poses(np.random.default_rng(2), REGION, (0, 0, 0), 20.0, 4000)
+    assert probabilities(poses, both, 0.02, CAMERA, head, LIMITS).max() <= certificate.upper_bound
+
+
+def test_a_dimension_without_allowed_error_is_refused():
+    basic = dimension("D", gauge((-10, 0, 0), (10, 0, 0)))
+    basic = type(basic)(basic.id, basic.kind, basic.nominal_mm, None, basic.gauges)
+    with pytest.raises(ValueError, match="no tolerance"):
+        certify(basic, Requirement("fraction_of_tolerance", 0.1, 0.95), CAMERA, NO_ERROR, LIMITS, REGION)
