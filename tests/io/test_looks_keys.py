@@ -164,6 +164,14 @@ def test_problems_of_head_and_common_are_told_together(tmp_path):
     assert "head.common.rotation" in str(caught.value)
 
 
+def test_the_example_of_the_page_is_read():
+    inspection = vg.load(EXAMPLE / "looks.yaml")
+    assert inspection.looks == 3
+    np.testing.assert_allclose(
+        np.sqrt(inspection.head.common_covariance.diagonal()), [0.05] * 3 + [np.deg2rad(0.01)] * 3, rtol=1e-9
+    )
+
+
 def fingerprint(inspection):
     dimensions = inspection.part.dimensions
     source = candidate_grid(inspection, dimensions)

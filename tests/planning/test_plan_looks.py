@@ -1,6 +1,7 @@
 """Which looks are averaged: against brute force over small pools, and what is promised of any choice."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from viewgauge.evaluation import Looks
+from viewgauge.planning.look_search import LEAST_SEPARATION_STEPS, LookCandidates
 from viewgauge.planning.look_shortlist import LookShortlist, look_scores
-from viewgauge.planning.looks import LEAST_SEPARATION_STEPS, LookCandidates, plan_looks
+from viewgauge.planning.looks import plan_looks
 
 SPREAD = np.diag([0.01, 0.01, 0.04, 1e-6, 1e-6, 1e-6])
 
@@ -27,6 +29,7 @@ def pool(gradients, widths, common_share, allowed=1.0, settings_=None, image=Non
         far if image is None else np.asarray(image, dtype=float),
         step,
         allowed,
+        np.ones(n, dtype=bool),
     )
 
 
@@ -197,3 +200,25 @@ def test_half_a_step_of_repeatability_makes_rounding_errors_independent():
     # and without any, two looks may round alike however far they are from each other: the page says so
     first, second = rounding_errors(7.0)
     assert np.corrcoef(first, second)[0, 1] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_many_dimensions_share_settings(seed):
+    # ten dimensions that any two looks meet: brute force over the settings would take two, apart as all are here
+    rng = np.random.default_rng(seed)
+    pools = [
+        pool(np.outer(rng.uniform(1.5, 2.0, 40), [1, 0, 0, 0, 0, 0]), np.zeros((40, 2)), 0.0, 0.3) for _ in range(10)
+    ]
+    found = plan_looks(pools, [], 2, 0.9)
+    assert len(found) == 10
+    assert len({k for looked in found for k in looked.settings}) == 2
+
+
+def test_looks_that_are_good_for_another_dimension_only_serve_where_they_are_taken():
+    first = pool(np.outer([2.0, 2, 9, 9], [1, 0, 0, 0, 0, 0]), np.zeros((4, 2)), 0.0, 0.3)
+    second = pool(np.outer([2.0, 2, 1.9, 1.9], [1, 0, 0, 0, 0, 0]), np.zeros((4, 2)), 0.0, 0.3)
+    second = replace(second, good=np.array([False, False, True, True]))
+    one, other = plan_looks([first, second], [], 2, 0.9)
+    assert one.settings == other.settings == (0, 1)
+    (alone,) = plan_looks([second], [], 2, 0.9)
+    assert alone.settings == (2, 3)

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..evaluation import Looks
 from ..geometry import invert, transform
+from ..planning.look_search import LookCandidates
 from ..planning.look_shortlist import LookShortlist, look_scores
-from ..planning.looks import LookCandidates, LookedDimension, plan_looks
+from ..planning.looks import LookedDimension, plan_looks
 from .chunks import Chunk, EvaluationJob, evaluator_of
 
 __all__ = ["AddedLooks", "DimensionByLooks", "add_looks", "looks_chunk"]
@@ -91,7 +92,7 @@ def add_looks(job: EvaluationJob, shortlist: LookShortlist, planned: Sequence[in
     planned
         Indices of the plan's settings, in its order.
     """
-    candidates = [_candidates(job, shortlist, planned, j) for j in range(len(job.dimensions))]
+    candidates = _candidates(job, shortlist, planned)
     fewest: dict[int, int] = {}
     exact: dict[tuple[int, tuple[int, ...]], float] = {}
     while True:  # each time round at least one dimension is tried with more looks
@@ -106,24 +107,26 @@ def add_looks(job: EvaluationJob, shortlist: LookShortlist, planned: Sequence[in
         fewest |= {f.dimension: len(f.settings) + 1 for f in refuted}
 
 
-def _candidates(job: EvaluationJob, shortlist: LookShortlist, planned: Sequence[int], dimension: int) -> LookCandidates:
-    """The planned and shortlisted settings that see a dimension, each by its best gauge."""
-    short = shortlist.setting[shortlist.dimension == dimension]
-    index = np.unique(np.concatenate([short, np.asarray(planned, dtype=np.int64)]))
-    poses = _poses(job, index.tolist())
-    evaluator = evaluator_of(job)
+def _candidates(job: EvaluationJob, shortlist: LookShortlist, planned: ArrayLike) -> list[LookCandidates]:
+    """For each dimension the planned and all shortlisted settings that see it, each by its best gauge.
+
+    Those on another dimension's list are among them: a setting may serve both.
+    """
+    planned = np.asarray(planned, dtype=np.int64)
+    index = np.unique(np.concatenate([shortlist.setting, planned]))
+    poses, evaluator = _poses(job, index.tolist()), evaluator_of(job)
     table = evaluator.table(poses)
-    row = np.flatnonzero(table.visible[:, dimension])
-    gauge = table.gauge[row, dimension].astype(np.int64)
-    points = _seen(job, poses[row], np.full(len(row), dimension), gauge)
-    return LookCandidates(
-        index[row],
-        gauge,
-        Looks.of(points, job.camera, job.head),
-        job.camera.to_pixels(job.camera.project(points)),
-        job.camera.edge_resolution_px,
-        float(evaluator.allowed_error_mm[dimension]),
-    )
+    candidates = []
+    for dimension, allowed in enumerate(evaluator.allowed_error_mm.tolist()):
+        row = np.flatnonzero(table.visible[:, dimension])
+        gauge = table.gauge[row, dimension].astype(np.int64)
+        points = _seen(job, poses[row], np.full(len(row), dimension), gauge)
+        image = job.camera.to_pixels(job.camera.project(points))
+        looks = Looks.of(points, job.camera, job.head)
+        own = np.append(shortlist.setting[shortlist.dimension == dimension], planned)
+        good, step = np.isin(index[row], own), job.camera.edge_resolution_px
+        candidates.append(LookCandidates(index[row], gauge, looks, image, step, allowed, good))
+    return candidates
 
 
 def _seen(
