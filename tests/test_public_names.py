@@ -36,6 +36,7 @@ PUBLIC = [
 # the laws of the paper and their companions
 LAWS = [
     "Accuracy",
+    "AveragedError",
     "IndependentTotalError",
     "MarsagliaForm",
     "NormalRatio",

@@ -163,3 +163,47 @@ def test_the_covariance_is_a_copy_that_cannot_be_changed():
 def test_a_head_frame_that_is_none_is_refused(frame, telling):
     with pytest.raises(vg.InputError, match=telling):
         vg.PoseError(FULL, **frame)
+
+
+# --- the part that is common to all looks -----------------------------------------------------------------------
+
+
+@settings(deadline=None)
+@given(pose_covariances(), pose_covariances(), rigid_poses())
+def test_common_and_repeatability_make_up_the_whole(common, repeatability, T_camera_head):
+    error = vg.PoseError(common + repeatability, T_camera_head=T_camera_head, common_covariance=common)
+    whole = vg.PoseError(common + repeatability, T_camera_head=T_camera_head)
+    np.testing.assert_array_equal(error.camera_covariance, whole.camera_covariance)
+    np.testing.assert_array_equal(error.factor, whole.factor)
+    scale = np.sqrt(np.outer(whole.covariance.diagonal(), whole.covariance.diagonal()))
+    assert (np.abs(error.repeatability_covariance - repeatability) <= 1e-12 * scale).all()
+    assert not error.common_covariance.flags.writeable
+
+
+def test_nothing_is_said_of_a_common_part_unless_stated():
+    assert vg.PoseError(FULL).common_covariance is None
+    assert vg.PoseError(FULL).repeatability_covariance is None
+    assert not vg.PoseError(FULL, common_covariance=np.zeros((6, 6))).common_covariance.any()
+    assert not vg.PoseError(FULL, common_covariance=FULL).repeatability_covariance.any()
+
+
+@pytest.mark.parametrize(
+    ("common", "telling"),
+    [
+        (np.eye(3), "the common covariance must be a finite 6x6"),
+        (changed((0, 1, 0.01)), "the common covariance is not symmetric"),
+        (changed((0, 1, 0.021), (1, 0, 0.021)), "the common covariance is not positive semidefinite"),
+        (FULL * 1.001, "more than the covariance"),
+        (np.diag([0.01, 0.04, 0.09, 1.01e-6, 0, 0]), "more than the covariance"),  # small in mm, but not for angles
+        (changed((0, 1, 0.01), (1, 0, 0.01)), "more than the covariance"),  # by a correlation that the whole has not
+    ],
+)
+def test_a_common_part_that_is_no_part_is_refused(common, telling):
+    with pytest.raises(vg.InputError, match=telling):
+        vg.PoseError(FULL, common_covariance=common)
+
+
+def test_no_error_has_no_common_part():
+    whole = np.diag([0.01, 0, 0, 0, 0, 0])
+    with pytest.raises(vg.InputError, match="more than the covariance"):
+        vg.PoseError(whole, common_covariance=np.diag([0.01, 0, 0, 0, 1e-12, 0]))

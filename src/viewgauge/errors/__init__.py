@@ -1,6 +1,7 @@
 """Probability laws of the error of a segment's image length. They take numbers, not geometry."""
 
 from .accuracy import Accuracy
+from .averaged import AveragedError
 from .independent_total import IndependentTotalError
 from .marsaglia import MarsagliaForm, marsaglia_form
 from .normal_ratio import NormalRatio
@@ -13,6 +14,7 @@ from .total import TotalError
 
 __all__ = [
     "Accuracy",
+    "AveragedError",
     "IndependentTotalError",
     "MarsagliaForm",
     "NormalRatio",

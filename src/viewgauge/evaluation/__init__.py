@@ -5,6 +5,7 @@ from .capability_requirement import CapabilityRequirement
 from .conformance_requirement import ConformanceRequirement, Process
 from .evaluator import Accepted, Evaluator, TableBlock
 from .gauge_figures import GaugeFigures, gauge_figures, spread_mm
+from .looks import Looks, averaged_success_probability
 from .requirement import Requirement
 from .segment import SegmentImage, image_segment, success_probability
 from .table import COLUMNS, as_dataset
@@ -19,11 +20,13 @@ __all__ = [
     "ConformanceRequirement",
     "Evaluator",
     "GaugeFigures",
+    "Looks",
     "Process",
     "Requirement",
     "SegmentImage",
     "TableBlock",
     "as_dataset",
+    "averaged_success_probability",
     "gauge_figures",
     "image_segment",
     "probability_error",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..exceptions import InputError
 from .poses import require_poses, skew
 
-__all__ = ["PoseError"]
+__all__ = ["PoseError", "covariance_factor"]
 
 _RELATIVE_PSD_TOLERANCE = 1e-9  # of the largest eigenvalue after scaling: what rounding of six printed digits leaves
 _UNDERFLOWS = 1e-150  # when squared
@@ -32,19 +32,28 @@ class PoseError:
         ``(3,)`` mm: origin of the head frame in the camera frame, axes parallel to the camera's.
     T_camera_head
         ``(4, 4)`` full pose of the head frame in the camera frame, in place of ``pivot_mm``.
+    common_covariance
+        ``(6, 6)``: the part of ``covariance`` that is the same error at every look (calibration, hand-eye), same
+        frame and order; None where nothing is said of it. What it leaves is drawn anew at each look.
 
     Raises
     ------
     InputError
-        If the covariance is not a finite, symmetric, positive semidefinite 6x6 matrix, or the pose is not rigid.
+        If a covariance is not a finite, symmetric, positive semidefinite 6x6 matrix, the common part is not part of
+        the whole, or the pose is not rigid.
     """
 
     covariance: NDArray[np.float64]
     pivot_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     T_camera_head: NDArray[np.float64] | None = field(default=None)
+    common_covariance: NDArray[np.float64] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariance", _require_covariance(self.covariance))
+        if self.common_covariance is not None:
+            common = _require_covariance(self.common_covariance, "common covariance")
+            _require_part(common, self.covariance)
+            object.__setattr__(self, "common_covariance", common)
         if self.T_camera_head is not None:
             if tuple(self.pivot_mm) != (0.0, 0.0, 0.0):
                 raise InputError("give pivot_mm or T_camera_head, not both")
@@ -81,6 +90,11 @@ class PoseError:
         return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_head=T_camera_head)
 
     @property
+    def repeatability_covariance(self) -> NDArray[np.float64] | None:
+        """``(6, 6)``, head frame: what is drawn anew at each look; None where the common part is not stated."""
+        return None if self.common_covariance is None else self.covariance - self.common_covariance
+
+    @property
     def adjoint(self) -> NDArray[np.float64]:
         """``(6, 6)``: a pose error in the head frame as it acts at the centre of projection, camera frame.
 
@@ -105,22 +119,43 @@ class PoseError:
 
         Its columns are mm (rows 0 to 2) and rad (rows 3 to 5) per unit normal.
         """
-        # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
-        deviations = np.sqrt(self.covariance.diagonal())
-        scale = np.where(deviations > 1e-150, deviations, 1.0)  # smaller underflow when squared
-        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
-        return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+        return covariance_factor(self.covariance)
 
 
-def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
+def covariance_factor(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(6, 6)`` F with ``F F^T`` a covariance ``(6, 6)``; what rounding makes negative in it counts as nothing."""
+    # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
+    deviations = np.sqrt(np.maximum(covariance.diagonal(), 0.0))
+    scale = np.where(deviations > _UNDERFLOWS, deviations, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(deviations[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _require_part(common: NDArray[np.float64], covariance: NDArray[np.float64]) -> None:
+    """Raise InputError unless ``covariance - common`` is a covariance, up to rounding of the whole."""
+    deviations = np.sqrt(covariance.diagonal())
+    # where the whole has no error the common part may have none: its own scale makes what there is stand out
+    scale = np.where(deviations > _UNDERFLOWS, deviations, np.sqrt(common.diagonal()))
+    scale = np.where(scale > _UNDERFLOWS, scale, 1.0)
+    smallest = float(np.linalg.eigvalsh((covariance - common) / np.outer(scale, scale))[0])
+    if smallest < -_RELATIVE_PSD_TOLERANCE * 6:
+        raise InputError(
+            "the common covariance is more than the covariance of which it is a part",
+            key="common_covariance",
+            got=f"smallest eigenvalue of what it leaves {smallest:.3g}, in units of the whole's variances",
+            expected="covariance = common + what is drawn anew at each look, both without negative eigenvalue",
+        )
+
+
+def _require_covariance(covariance: ArrayLike, name: str = "covariance") -> NDArray[np.float64]:
     try:
         matrix = np.array(covariance, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError("the covariance must be a 6x6 matrix of numbers") from error
+        raise InputError(f"the {name} must be a 6x6 matrix of numbers") from error
     if matrix.shape != (6, 6) or not np.isfinite(matrix).all():
-        raise InputError("the covariance must be a finite 6x6 matrix", got=f"shape {matrix.shape}")
+        raise InputError(f"the {name} must be a finite 6x6 matrix", got=f"shape {matrix.shape}")
     if (matrix.diagonal() < 0).any():
-        raise InputError("the covariance has a negative variance", got=matrix.diagonal().tolist())
+        raise InputError(f"the {name} has a negative variance", got=matrix.diagonal().tolist())
     # mm and rad differ by orders of magnitude: judge symmetry and eigenvalues on the correlation matrix
     scale = np.sqrt(matrix.diagonal())
     # an error without variance has no covariance either: what is more than rounding there must stand out
@@ -128,11 +163,11 @@ def _require_covariance(covariance: ArrayLike) -> NDArray[np.float64]:
     scale = np.where(scale > _UNDERFLOWS, scale, nothing)
     correlation = matrix / np.outer(scale, scale)
     if np.abs(correlation - correlation.T).max() > _RELATIVE_PSD_TOLERANCE:
-        raise InputError("the covariance is not symmetric", expected="equal entries on both sides of the diagonal")
+        raise InputError(f"the {name} is not symmetric", expected="equal entries on both sides of the diagonal")
     smallest = float(np.linalg.eigvalsh(correlation)[0])
     if smallest < -_RELATIVE_PSD_TOLERANCE * 6:
         raise InputError(
-            "the covariance is not positive semidefinite",
+            f"the {name} is not positive semidefinite",
             got=f"smallest eigenvalue of the correlation matrix {smallest:.3g}",
             expected="no negative eigenvalue",
             hint="check the units (mm, rad), the order (translation first) and the number of digits",

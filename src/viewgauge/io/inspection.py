@@ -23,13 +23,16 @@ from .inspection_schema import (
     CandidatesSection,
     ConeSection,
     DimensionSection,
+    ErrorSection,
     HeadSection,
     InspectionSections,
+    LooksSection,
     ObservationSection,
     PartSection,
     PoseSection,
 )
 from .inspection_text import InspectionText, read_inspection_text
+from .problems import KeyPath
 from .region_schema import BoxSection, HemisphereSection
 from .requirement_schema import read_requirement
 from .validation import build, validate
@@ -92,6 +95,10 @@ class InspectionFile:
         Explicit sensor settings, which take the place of sampled ones; None where not given.
     covariance_file
         Where the covariance of ``head`` was read from; None where the file states standard deviations.
+    common_covariance_file
+        The same for ``head.common``.
+    looks
+        From how many settings a dimension may be measured and averaged; 1 where the file does not allow several.
     """
 
     path: Path
@@ -106,6 +113,8 @@ class InspectionFile:
     covariance_file: Path | None
     limits: ObservationLimits
     seed: int
+    common_covariance_file: Path | None = None
+    looks: int = 1
 
 
 def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> InspectionFile:
@@ -134,12 +143,12 @@ class _Reader:
         camera, head, requirement = self._camera(), self._head(), self._requirement()
         candidates = validate(CandidatesSection, self._section("candidates"), ("candidates",), self.problems)
         options = self._options(candidates)
-        limits = self._limits()
+        limits, looks = self._limits(), self._looks()
         self.problems.raise_if_any()
         # nothing is None now: each would have left a problem
         assert top and part and camera and head and requirement and candidates  # noqa: PT018
-        assert options and limits  # noqa: PT018
-        covariance = cast(dict[str, str], self.sections["head"]).get("covariance")
+        assert options and limits and looks  # noqa: PT018
+        stated = cast(dict[str, Any], self.sections["head"])
         return InspectionFile(
             path=self.path,
             part_file=self._path(part.file),
@@ -150,9 +159,11 @@ class _Reader:
             requirement=requirement,
             candidates=options,
             settings_file=self._path(candidates.settings),
-            covariance_file=self._path(covariance),
+            covariance_file=self._path(stated.get("covariance")),
             limits=limits,
             seed=top.seed,
+            common_covariance_file=self._path(stated["common"].get("covariance")) if "common" in stated else None,
+            looks=looks,
         )
 
     def _section(self, name: str) -> object:
@@ -234,21 +245,48 @@ class _Reader:
         if isinstance(value := self._below("head", "pivot"), dict):
             pose_section = validate(PoseSection, value, (*where, "pivot"), self.problems)
             pose = build(pose_section.build, (*where, "pivot"), self.problems) if pose_section else None
-        if section is None or (pose is None and section.pivot is None):
+        covariance, common, head = self._error(section, where), None, self.sections["head"]
+        if isinstance(head, dict) and "common" in head:
+            common_section = validate(ErrorSection, head["common"], (*where, "common"), self.problems)
+            common = self._error(common_section, (*where, "common"))
+            if common is None:
+                return None
+        if section is None or covariance is None or (pose is None and section.pivot is None):
+            return None
+        return build(section.build, where, self.problems, covariance, pose, common)
+
+    def _error(self, section: ErrorSection | None, where: KeyPath) -> NDArray[np.float64] | None:
+        """The covariance ``(6, 6)`` of a pose error's section; None, and the reason in the problems."""
+        if section is None:
             return None
         if section.covariance is None:
-            return build(section.build, where, self.problems, pose)
-        covariance = self._covariance(self.path.parent / section.covariance)
-        if covariance is None:
-            return None
-        return build(section.build_with, (*where, "covariance"), self.problems, covariance, pose)
+            return section.from_deviations()
+        where = (*where, "covariance")
+        covariance = self._covariance(self.path.parent / section.covariance, where)
+        checked = None if covariance is None else build(PoseError, where, self.problems, covariance)
+        return None if checked is None else checked.covariance
 
-    def _covariance(self, path: Path) -> NDArray[np.float64] | None:
+    def _covariance(self, path: Path, where: KeyPath) -> NDArray[np.float64] | None:
         try:
             return read_covariance(path)
         except InspectionFileError as error:
             if Path(path).is_file():
                 self.problems.found.append(error)
             else:  # then the place to mend is here
-                self.problems.add(("head", "covariance"), error.problem, got=path, hint=error.hint)
+                self.problems.add(where, error.problem, got=path, hint=error.hint)
             return None
+
+    def _looks(self) -> int | None:
+        """From how many settings a dimension may be averaged."""
+        if "looks" not in self.sections:
+            return 1
+        section = validate(LooksSection, self._section("looks"), ("looks",), self.problems)
+        head = self.sections.get("head")
+        if isinstance(head, dict) and "common" not in head:
+            self.problems.add(
+                ("head", "common"),
+                "averaging several looks helps only against what is drawn anew at each",
+                expected="head.common: the part of the pose error that all looks share (calibration, hand-eye)",
+                hint="state it; write translation: 0 mm and rotation: 0 deg there if there is none",
+            )
+        return section.most if section else None

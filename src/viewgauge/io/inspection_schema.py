@@ -5,7 +5,7 @@ Values arrive as plain YAML values and leave in mm, rad and px. Every quantity c
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,11 @@ __all__ = [
     "CandidatesSection",
     "ConeSection",
     "DimensionSection",
+    "ErrorSection",
     "HeadSection",
     "InspectionSections",
     "Length",
+    "LooksSection",
     "ObservationSection",
     "PartSection",
     "PoseSection",
@@ -144,6 +146,7 @@ class InspectionSections(Section):
     part: Any = None
     candidates: Any = None
     observation: Any = None
+    looks: Any = None
     seed: CountOrZero = 0
 
 
@@ -224,16 +227,15 @@ def _read_pivot(value: object) -> tuple[float, ...] | None:
     return None if isinstance(value, dict) else parse_quantities(value, LENGTH, (3,))
 
 
-class HeadSection(Section):
-    """The pose error of the head; its covariance file and a pivot that is a full pose (None here) are read apart."""
+class ErrorSection(Section):
+    """A pose error: standard deviations, or a covariance file, which is read apart."""
 
     translation: LengthDeviations | None = None
     rotation: AngleDeviations | None = None
     covariance: Name | None = None
-    pivot: Annotated[tuple[float, float, float] | None, BeforeValidator(_read_pivot)] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
-    def _one_way(self) -> HeadSection:
+    def _one_way(self) -> Self:
         deviations = {"translation": self.translation, "rotation": self.rotation}
         given = [name for name, value in deviations.items() if value is not None]
         if self.covariance is not None and given:
@@ -252,17 +254,36 @@ class HeadSection(Section):
             )
         return self
 
-    def build(self, T_camera_head: NDArray[np.float64] | None) -> PoseError:
-        """The pose error from standard deviations; raises InputError."""
+    def from_deviations(self) -> NDArray[np.float64]:
+        """Covariance ``(6, 6)``, translation first, of the standard deviations."""
         assert self.translation is not None
         assert self.rotation is not None
         deviations = np.empty(6)
         deviations[:3], deviations[3:] = self.translation, self.rotation
-        return self.build_with(np.diag(deviations**2), T_camera_head)
+        return np.diag(deviations**2)
 
-    def build_with(self, covariance: NDArray[np.float64], T_camera_head: NDArray[np.float64] | None) -> PoseError:
-        """The pose error from a covariance ``(6, 6)``, head frame, translation first; raises InputError."""
-        return PoseError(covariance, self.pivot or (0.0, 0.0, 0.0), T_camera_head)
+
+class HeadSection(ErrorSection):
+    """The pose error of the head; ``common`` and a pivot that is a full pose (None here) are read apart."""
+
+    common: Any = None
+    pivot: Annotated[tuple[float, float, float] | None, BeforeValidator(_read_pivot)] = (0.0, 0.0, 0.0)
+
+    def build(
+        self,
+        covariance: NDArray[np.float64],
+        T_camera_head: NDArray[np.float64] | None,
+        common: NDArray[np.float64] | None = None,
+    ) -> PoseError:
+        """The pose error of one look from what the section itself states and what is common; raises InputError."""
+        total = covariance if common is None else covariance + common
+        return PoseError(total, self.pivot or (0.0, 0.0, 0.0), T_camera_head, common_covariance=common)
+
+
+class LooksSection(Section):
+    """Whether a dimension may be measured from several settings and averaged."""
+
+    most: Annotated[StrictInt, Field(ge=2, le=16)] = Field(description="a whole number from 2 to 16")
 
 
 class ConeSection(Section):

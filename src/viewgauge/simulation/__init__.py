@@ -1,13 +1,16 @@
 """The exact camera by brute force, independent of the laws it judges."""
 
 from .exact_camera import Estimate, estimate_success_probability, simulate_length_errors
+from .looks import estimate_averaged_probability, simulate_mean_errors
 from .quasi_monte_carlo import ExactEstimates, estimate_success_probabilities, require_precision
 
 __all__ = [
     "Estimate",
     "ExactEstimates",
+    "estimate_averaged_probability",
     "estimate_success_probabilities",
     "estimate_success_probability",
     "require_precision",
     "simulate_length_errors",
+    "simulate_mean_errors",
 ]

@@ -15,6 +15,8 @@ from ..geometry import Camera, PoseError, invert, transform
 
 __all__ = [
     "Estimate",
+    "displaced_length_errors",
+    "displacements",
     "draw_pose_errors",
     "estimate_success_probability",
     "exact_length_errors",
@@ -46,7 +48,7 @@ class Estimate:
 
 def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
-    rotations, shifts = _displacements(rng.standard_normal((draws, 6)) @ error.factor.T)
+    rotations, shifts = displacements(rng.standard_normal((draws, 6)) @ error.factor.T)
     displacement = np.zeros((draws, 4, 4))
     displacement[:, :3, :3] = np.moveaxis(rotations, -1, 0)
     displacement[:, :3, 3] = shifts.T
@@ -54,7 +56,7 @@ def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> 
     return displacement
 
 
-def _displacements(twist: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def displacements(twist: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Rotations ``(3, 3, n)``, Rot_x Rot_y Rot_z, and shifts ``(3, n)`` mm of pose errors ``(n, 6)``."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(twist[:, 3:].T), np.cos(twist[:, 3:].T)
     rotation = np.empty((3, 3, len(twist)))
@@ -85,9 +87,20 @@ def exact_length_errors(
     quantization
         ``(n, 2)``: the end's less the start's location error along u and v, in quantization steps.
     """
+    return displaced_length_errors(points, camera, error, displacements(twist), quantization)
+
+
+def displaced_length_errors(
+    points: NDArray[np.float64],
+    camera: Camera,
+    error: PoseError,
+    displacement: tuple[NDArray[np.float64], NDArray[np.float64]],
+    quantization: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """:func:`exact_length_errors` for displacements of the scene: rotations ``(3, 3, n)``, shifts ``(3, n)`` mm."""
     assert error.T_camera_head is not None  # set by PoseError
     orientation, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
-    rotation, shift = _displacements(twist)
+    rotation, shift = displacement
     shifted = orientation @ shift + origin[:, None]
     turned = (orientation @ rotation.reshape(3, -1)).reshape(3, 3, -1)
     ends = transform(invert(error.T_camera_head), points)

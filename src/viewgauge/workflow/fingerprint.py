@@ -26,6 +26,7 @@ def job_fingerprint(inspection: Inspection, job: EvaluationJob, *more: object) -
     """
     said = [version("viewgauge"), job.method, inspection.seed, sorted(inspection.inputs.items()), job.camera]
     said += [job.requirement, job.limits, inspection.candidates, len(job.source), job.mesh.chord_error_mm, more]
+    said += [inspection.looks, job.head.common_covariance is not None]
     said += [(d.id, d.nominal_mm, d.tolerance_mm, len(d.gauges)) for d in job.dimensions]
     digest = hashlib.sha256(repr(said).encode())
     for array in _arrays(job):
@@ -41,5 +42,7 @@ def _arrays(job: EvaluationJob) -> Iterator[NDArray[np.generic]]:
     yield from (gauges.points, gauges.normals, gauges.whole)
     yield from (job.mesh.vertices, job.mesh.triangles)
     yield from (job.head.covariance, np.asarray(job.head.T_camera_head, dtype=float))
+    if job.head.common_covariance is not None:
+        yield job.head.common_covariance
     if isinstance(job.source, ExplicitSettings):
         yield job.source.T_part_camera

@@ -44,6 +44,8 @@ class Inspection:
         SHA-256 of each input file, by its name.
     settings
         Explicit candidate settings, which take the place of sampled ones; None to sample.
+    looks
+        From how many settings a dimension may be measured and averaged; 1 for one only.
     """
 
     name: str
@@ -56,3 +58,4 @@ class Inspection:
     settings: ExplicitSettings | None
     seed: int
     inputs: Mapping[str, str]
+    looks: int = 1

@@ -71,7 +71,7 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
     if file.settings_file is not None:
         ids, poses = read_settings(file.settings_file)
         settings = ExplicitSettings(ids, poses)
-    used = (file.path, part_path, file.settings_file, file.covariance_file)
+    used = (file.path, part_path, file.settings_file, file.covariance_file, file.common_covariance_file)
     return Inspection(
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
         part=part,
@@ -83,6 +83,7 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
         settings=settings,
         seed=file.seed,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
+        looks=file.looks,
     )
 
 
