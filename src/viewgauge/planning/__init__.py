@@ -4,15 +4,17 @@ from .candidates import CandidateGrid, default_distance_range, spread_directions
 from .cover import Cover, minimum_cover, surest_minimum_cover
 from .dominance import Undominated, probability_levels
 from .options import CandidateOptions
-from .plan import assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
+from .plan import Averaged, assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
 from .refinement import Refinement, RefinementStep, Refiner
-from .result import Plan, PlannedDimension, PlannedSetting
+from .result import Look, Plan, PlannedDimension, PlannedSetting
 from .setting_pool import SettingPool
 
 __all__ = [
+    "Averaged",
     "CandidateGrid",
     "CandidateOptions",
     "Cover",
+    "Look",
     "Plan",
     "PlannedDimension",
     "PlannedSetting",

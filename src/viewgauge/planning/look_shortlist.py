@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,12 @@ class LookShortlist:
         """Of the looks of both."""
         joined = {name: np.concatenate([a, other.arrays()[name]]) for name, a in self.arrays().items()}
         return LookShortlist.of(**joined)
+
+    def of_dimensions(self, kept: Sequence[int]) -> LookShortlist:
+        """Only of some dimensions, ascending, which are numbered anew."""
+        rows = np.isin(self.dimension, kept)
+        place = np.searchsorted(kept, self.dimension[rows])
+        return LookShortlist(self.setting[rows], place.astype(np.int64), self.score[rows])
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """As plain arrays, to be stored; they are the arguments of :meth:`of` again."""

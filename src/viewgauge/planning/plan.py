@@ -3,21 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import WARNINGS, BestRows, Requirement, TableBlock
 from ..part import Dimension, Unusable
+from .bounds import Certificate, SettingsBound
 from .cause import limiting_cause
 from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
 from .dominance import Undominated
 from .refinement import Refinement
-from .result import Plan, PlannedDimension, PlannedSetting
+from .result import Look, Plan, PlannedDimension, PlannedSetting
 from .travel import shortest_tour
 
-__all__ = ["assigned_setting", "choose_settings", "compose_plan", "not_measurable", "without_allowed_error"]
+__all__ = [
+    "Averaged",
+    "assigned_setting",
+    "choose_settings",
+    "compose_plan",
+    "not_measurable",
+    "without_allowed_error",
+]
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """A dimension that the mean of k looks meets: the rows of their settings, and ``(k, 2, 3)`` mm what is measured.
+
+    The probability and the expected accuracy are the mean's.
+    """
+
+    rows: tuple[int, ...]
+    gauges: NDArray[np.float64]
+    probability: float
+    expected_accuracy: float
+    single_probability: float
 
 
 def without_allowed_error(
@@ -71,8 +93,13 @@ def compose_plan(
     lower_bound: int,
     candidate_count: int,
     seed: int,
-    refinement: Refinement | None = None,
     fixed_names: bool = False,
+    poses_of_best: Mapping[int, NDArray[np.float64]] | None = None,
+    averaged: Mapping[int, Averaged] | None = None,
+    certificates: Mapping[int, Certificate] | None = None,
+    refinement: Refinement | None = None,
+    anywhere: SettingsBound | None = None,
+    interrupted: bool = False,
 ) -> Plan:
     """The plan of K chosen settings.
 
@@ -85,24 +112,39 @@ def compose_plan(
     fixed_names
         A name goes with its setting; else they are given in the order of the tour.
     best
-        For each dimension that is not met the best rows of all candidates, and its place in them.
+        For each dimension that no setting meets the best rows of all settings tried, and its place in them.
+    poses_of_best
+        ``(4, 4)`` mm: of these dimensions the pose that the best row belongs to.
+    averaged, certificates
+        Of these dimensions those that the mean of several looks meets, and what is proven of the others.
     unusable
         What cannot be measured, for the record.
     """
     order = list(shortest_tour(T_part_camera[:, :3, 3])[0])
+    place = {row: n for n, row in enumerate(order)}
     table = TableBlock(*(getattr(table, f.name)[order] for f in fields(table)))
     T_part_camera, names = T_part_camera[order], [names[k] for k in order] if fixed_names else names
     setting = assigned_setting(table, requirement.probability)
     observes: list[list[str]] = [[] for _ in names]
     planned = []
     for j, dimension in enumerate(dimensions):
+        looks = (averaged or {}).get(j)
         if setting[j] >= 0:
             observes[setting[j]].append(dimension.id)
             chosen = TableBlock(*(getattr(table, f.name)[setting[j]] for f in fields(table)))
-            planned.append(_planned(chosen, j, dimension, requirement, names[setting[j]], ""))
+            entry = _planned(chosen, j, dimension, requirement, names[setting[j]], "")
+            planned.append(replace(entry, T_part_camera=T_part_camera[setting[j]]))
+            continue
+        rows, at = best[j]
+        entry = _planned(rows.values, at, dimension, requirement, None, limiting_cause(rows, at))
+        if looks is not None:
+            seen = [place[row] for row in looks.rows]
+            for k in seen:
+                observes[k].append(dimension.id)
+            planned.append(_averaged(entry, looks, [names[k] for k in seen]))
         else:
-            rows, place = best[j]
-            planned.append(_planned(rows.values, place, dimension, requirement, None, limiting_cause(rows, place)))
+            pose, certificate = (poses_of_best or {}).get(j), (certificates or {}).get(j)
+            planned.append(replace(entry, T_part_camera=pose, certificate=certificate))
     return Plan(
         seed=seed,
         settings=tuple(
@@ -112,6 +154,25 @@ def compose_plan(
         lower_bound=lower_bound,
         candidate_count=candidate_count,
         refinement=refinement,
+        anywhere=anywhere,
+        interrupted=interrupted,
+    )
+
+
+def _averaged(entry: PlannedDimension, looks: Averaged, names: Sequence[str]) -> PlannedDimension:
+    """The entry of a dimension that the mean of looks from these settings meets."""
+    of_looks = tuple(Look(name, gauge) for name, gauge in zip(names, looks.gauges, strict=True))
+    return replace(
+        entry,
+        status="met",
+        probability=looks.probability,
+        expected_accuracy=looks.expected_accuracy,
+        setting=of_looks[0].setting,
+        gauge=of_looks[0].gauge,
+        limit="",
+        warning="",
+        looks=of_looks,
+        single_probability=looks.single_probability,
     )
 
 

@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .bounds import Certificate, SettingsBound
 from .refinement import Refinement
 
-__all__ = ["Plan", "PlannedDimension", "PlannedSetting", "Status"]
+__all__ = ["Look", "Plan", "PlannedDimension", "PlannedSetting", "Status"]
 
 Status = Literal["met", "unmet", "not_measurable"]
 
@@ -25,6 +26,14 @@ class PlannedSetting:
 
 
 @dataclass(frozen=True)
+class Look:
+    """One of several looks that are averaged: the setting, and the two points measured, ``(2, 3)`` mm, part frame."""
+
+    setting: str
+    gauge: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class PlannedDimension:
     """What the plan achieves for one dimension.
 
@@ -33,21 +42,30 @@ class PlannedDimension:
     nominal_mm, tolerance_mm
         In mm, but rad where ``kind`` is "angle" (which is never measurable).
     status
-        "met"; "unmet" (no candidate reaches the required probability); "not_measurable" (no gauge could be
-        made, or it has no tolerance where the requirement needs one).
+        "met"; "unmet" (no setting that was tried reaches the required probability); "not_measurable" (no gauge could
+        be made, or it has no tolerance where the requirement needs one).
     allowed_error_mm
         Largest error that the requirement allows, mm; NaN where undefined.
     probability, expected_accuracy
-        At ``setting`` by ``gauge``: of the plan where met, the best of all candidates where unmet; 0 where none.
+        At ``setting`` by ``gauge``: of the plan where met, the best of all settings tried where unmet; 0 where none.
+        Of the mean where there are ``looks``.
     setting
-        Id of the planned setting; None unless met.
+        Id of the planned setting, of the first of several looks; None unless met.
     gauge
-        The two points measured, ``(2, 3)`` mm, part frame; None where none was visible.
+        The two points measured from there, ``(2, 3)`` mm, part frame; None where none was visible.
     limit
         What limits the dimension, one sentence; empty where met.
     warning
         Why the small-error model is doubtful for this setting and gauge (:func:`viewgauge.evaluation.validity`);
         empty where it is not. The probability of a dimension that is met is then the exact camera's.
+    T_part_camera
+        ``(4, 4)`` mm: the pose that ``probability`` belongs to; None where no gauge was visible, or with ``looks``.
+    looks
+        The settings whose values are averaged, if no single one is sure enough; else none.
+    single_probability
+        Of the best single look, where there are ``looks``.
+    certificate
+        What is proven of a dimension that is not met, over all poses of the region; None where nothing was tried.
     """
 
     id: str
@@ -62,15 +80,28 @@ class PlannedDimension:
     gauge: NDArray[np.float64] | None
     limit: str = ""
     warning: str = ""
+    T_part_camera: NDArray[np.float64] | None = None
+    looks: tuple[Look, ...] = ()
+    single_probability: float | None = None
+    certificate: Certificate | None = None
 
 
 @dataclass(frozen=True)
 class Plan:
     """The fewest settings that measure every dimension that can be met.
 
-    ``lower_bound`` is the proven least number of settings among the candidates and what the refinement found, ``gap``
-    the relative gap (count - lower_bound) / count, and ``proven`` says that it is zero. ``refinement`` says what
-    refining changed; None where nothing was refined.
+    Parameters
+    ----------
+    lower_bound
+        Proven least number of settings among the candidates and what the refinement found, for the dimensions that a
+        single look meets.
+    refinement
+        What refining changed; None where nothing was refined.
+    anywhere
+        Least number of settings that measure those dimensions wherever in the region they stand; None where that was
+        not asked.
+    interrupted
+        Somebody ended a step: the plan is the best so far.
     """
 
     seed: int
@@ -79,6 +110,8 @@ class Plan:
     lower_bound: int
     candidate_count: int
     refinement: Refinement | None = None
+    anywhere: SettingsBound | None = None
+    interrupted: bool = False
 
     @property
     def count(self) -> int:
@@ -92,8 +125,13 @@ class Plan:
 
     @property
     def proven(self) -> bool:
-        """The count is proven least among the candidates."""
+        """The count is proven least among the settings known."""
         return self.count == self.lower_bound
+
+    @property
+    def proven_anywhere(self) -> bool:
+        """The count is proven least over all poses of the region, known or not."""
+        return self.anywhere is not None and self.count == self.anywhere.count
 
     @property
     def all_met(self) -> bool:

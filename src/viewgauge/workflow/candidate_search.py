@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from ..evaluation import BestRows
 from ..io.journal import ChunkJournal, read_entry
 from ..planning import Undominated
+from ..planning.look_shortlist import LookShortlist
 from .chunks import Chunk, Corrections, EvaluationJob, accepted_chunk, best_chunk
 from .execution import Executor
+from .looks import looks_chunk
 from .progress import Progress
 
 __all__ = ["CandidateSearch"]
@@ -72,6 +74,17 @@ class CandidateSearch:
             rows = found if rows is None else rows.merged(found)
         assert rows is not None  # there is at least one chunk
         return {j: (rows, place[j]) for j in unmet}
+
+    def looks(self, unmet: Sequence[int]) -> LookShortlist:
+        """Of dimensions that are not met, in this order, the settings from which a mean may be worth having."""
+        job = replace(self._job, dimensions=tuple(self._job.dimensions[j] for j in unmet))
+        whole: LookShortlist | None = None
+        what = f"Looking for settings to average {len(unmet)} dimensions from"
+        for entry in self._pass(what, looks_chunk, job, LookShortlist.arrays):
+            found = LookShortlist(**entry)
+            whole = found if whole is None else whole.merged(found)
+        assert whole is not None  # there is at least one chunk
+        return whole
 
     def _pass(
         self,

@@ -8,18 +8,14 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from ..exceptions import InputError, NoCandidateError
 from ..io.journal import ChunkJournal
 from ..part import Dimension
-from ..planning import (
-    CandidateGrid,
-    Plan,
-    assigned_setting,
-    compose_plan,
-    not_measurable,
-    without_allowed_error,
-)
+from ..planning import Plan, assigned_setting, not_measurable, without_allowed_error
 from ..planning.cover import DEFAULT_TIME_LIMIT_S
+from .after_choice import AfterChoice
 from .candidate_search import CandidateSearch
 from .choice import Choice
 from .chunks import (
@@ -33,9 +29,9 @@ from .chunks import (
 )
 from .execution import Executor, InProcess
 from .fingerprint import job_fingerprint
-from .inspection import ExplicitSettings, Inspection
+from .inspection import Inspection
 from .progress import Progress, Silent
-from .refine import Arrangement, refined
+from .refine import Arrangement
 
 __all__ = ["plan"]
 
@@ -52,6 +48,7 @@ def plan(
     settings_per_chunk: int = SETTINGS_PER_CHUNK,
     journal: str | PathLike[str] | None = None,
     refine: bool = True,
+    prove: bool = True,
     time_limit_s: float = DEFAULT_TIME_LIMIT_S,
     gap: float = 0.0,
 ) -> Plan:
@@ -66,7 +63,9 @@ def plan(
     Then the settings are refined over all poses that the region allows: fewer where that is possible, and surer
     (:class:`~viewgauge.planning.Refiner`). Explicit settings are the only ones there are, and are not refined.
 
-    Ctrl-C while settings are chosen or refined ends that step: the plan is the best so far, with its gap.
+    Dimensions that no setting meets are averaged from several, if the inspection allows it.
+
+    Ctrl-C after the candidates are evaluated ends a step: the plan is the best so far, with its gap.
 
     Parameters
     ----------
@@ -81,6 +80,9 @@ def plan(
         it was; it is taken away at the end.
     refine
         False for the best of the candidates as they are.
+    prove
+        False to leave out what is proven over all poses of the region: the least number of settings
+        (``Plan.anywhere``), and how sure a dimension that is not met can be at most (``PlannedDimension.certificate``).
     time_limit_s
         Of the search for the fewest settings, of that for the surest, and of the refinement, each; the best so far
         counts. Only a search that is cut off may differ from run to run.
@@ -112,35 +114,22 @@ def plan(
         search = CandidateSearch(job, chunks, executor, notes, progress)
         choice = Choice(inspection, job, dimensions, search.kept(), progress, time_limit_s, gap)
         cover, table = choice.made()
-        met = assigned_setting(table, inspection.requirement.probability) >= 0
-        best = search.best([j for j in range(len(dimensions)) if not met[j]], choice.corrections)
+        unmet = np.flatnonzero(assigned_setting(table, inspection.requirement.probability) < 0).tolist()
+        best = search.best(unmet, choice.corrections)
+        shortlist = search.looks(unmet) if inspection.looks > 1 and unmet else None
         arrangement = Arrangement(choice.poses(cover.chosen), table, best, cover.lower_bound)
-        if refine and isinstance(job.source, CandidateGrid) and not choice.interrupted:
-            with progress.stage("Refining the settings"):
-                arrangement = refined(job, choice, arrangement, seed=inspection.seed, time_limit_s=time_limit_s)
+        after = AfterChoice(inspection, job, choice, cover.chosen, arrangement, progress)
+        if prove:
+            after.bound()
+        if refine:
+            after.refine(time_limit_s)
+        if shortlist is not None:
+            after.average(unmet, shortlist)
+        if prove:
+            after.certify()
         if notes:
             notes.discard()
-    explicit = job.source if isinstance(job.source, ExplicitSettings) else None
-    return compose_plan(
-        arrangement.table,
-        arrangement.T_part_camera,
-        [explicit.ids[k] for k in cover.chosen]
-        if explicit
-        else [f"S{n + 1}" for n in range(len(arrangement.table.reason))],
-        arrangement.best,
-        dimensions,
-        unusable,
-        inspection.requirement,
-        lower_bound=arrangement.lower_bound,
-        candidate_count=len(job.source),
-        seed=inspection.seed,
-        refinement=arrangement.refinement,
-        fixed_names=explicit is not None,
-    )
-
-
-def _numbered(count: int) -> list[str]:
-    return [f"S{n}" for n in range(1, count + 1)]
+    return after.plan(unusable)
 
 
 def _require_limits(time_limit_s: float, gap: float) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ class Arrangement:
         For each dimension that is not met the best rows of all settings tried, and its place in them.
     lower_bound
         Of the number of settings, among all settings known.
+    found
+        For dimensions whose best row is no candidate's the pose ``(4, 4)`` mm that it belongs to.
     """
 
     T_part_camera: NDArray[np.float64]
@@ -37,6 +39,7 @@ class Arrangement:
     best: _Best
     lower_bound: int
     refinement: Refinement | None = None
+    found: dict[int, NDArray[np.float64]] = field(default_factory=dict)
 
 
 def refined(
@@ -69,7 +72,8 @@ def refined(
         table = replace(evaluator.table(poses), probability=better.probability)
     met = assigned_setting(table, required) >= 0
     best = _best_of(job, arrangement.best, refiner.nearest, met)
-    return Arrangement(poses, table, best, bound, refinement)
+    found = {j: refiner.nearest[j] for j, (rows, at) in best.items() if rows.setting[at] >= len(job.source)}
+    return Arrangement(poses, table, best, bound, refinement, found)
 
 
 def _known(job: EvaluationJob, choice: Choice, best: _Best) -> SettingPool:
