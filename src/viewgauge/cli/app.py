@@ -89,6 +89,7 @@ def _plan(
     workers: _Workers = None,
     chunk: _Chunk = _SETTINGS_PER_CHUNK,
     refine: bool = True,
+    prove: bool = True,
     time_limit: float = _TIME_LIMIT_S,
     gap: float = 0.0,
     json: _Json = False,
@@ -108,6 +109,8 @@ def _plan(
         In place of the file's own; the same seed gives the same plan.
     refine
         Improve the settings over all poses that the region allows; --no-refine for the best of the candidates.
+    prove
+        Bound the number of settings, and what is not met, over all poses that the region allows.
     time_limit
         Seconds for the search for the fewest settings, for that for the surest, and for the refinement, each.
     gap
@@ -128,6 +131,7 @@ def _plan(
                 settings_per_chunk=chunk,
                 journal=output / ".partial",
                 refine=refine,
+                prove=prove,
                 time_limit_s=time_limit,
                 gap=gap,
             )

@@ -29,18 +29,25 @@ def print_error(error: Exception, *, as_json: bool) -> None:
 def print_plan(document: dict[str, Any], folder: str) -> None:
     """A plan in a few lines: the count, what is not met and why, and the table of what is."""
     by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUSES}
-    count, bound = document["count"], document["lower_bound"]
-    proof = "proven fewest" if document["proven"] else f"at least {bound} are needed"
-    total, tried = len(document["dimensions"]), document["candidates"]
-    settings = "1 setting" if count == 1 else f"{count} settings"
+    count, total, tried = document["count"], len(document["dimensions"]), document["candidates"]
     if count:
-        print(f"{settings} ({proof} of {tried} candidates) for {len(by_status['met'])} of {total} dimensions")
+        print(f"{_settings(count)} ({_optimality(document)}) for {len(by_status['met'])} of {total} dimensions")
     else:
         print(f"none of {tried} candidates measures any of {total} dimensions as required")
+    if document["refinement"]:
+        _print_refinement(document["refinement"])
+    if document["interrupted"]:
+        print("  interrupted: the best so far; run it again for the rest")
     required = document["requirement"]["probability"]
     for dimension in by_status["unmet"]:
         best = f"best probability {_sure(dimension['probability'])} of {required:g} required"
         print(f"  unmet           {dimension['id']}: {best}; {dimension['limit']}")
+        print(f"                  {dimension['proof']}")
+    for dimension in by_status["met"]:
+        if dimension["looks"]:
+            names = ", ".join(look["setting"] for look in dimension["looks"])
+            alone = _sure(dimension["single_probability"])
+            print(f"  averaged        {dimension['id']}: {_sure(dimension['probability'])} from {names}; alone {alone}")
     for dimension in by_status["not_measurable"]:
         print(f"  not measurable  {dimension['id']}: {dimension['limit']}")
     for dimension in document["dimensions"]:
@@ -55,12 +62,38 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
     print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
 
 
+def _settings(count: int) -> str:
+    return "1 setting" if count == 1 else f"{count} settings"
+
+
+def _optimality(document: dict[str, Any]) -> str:
+    """What is known of the number of settings."""
+    tried, anywhere = document["candidates"], document["anywhere"]
+    if anywhere is not None and anywhere["proven"]:
+        return "proven fewest anywhere in the region"
+    more = " and those that refining found" if document["refinement"] and document["refinement"]["generated"] else ""
+    proof = "proven fewest" if document["proven"] else f"at least {document['lower_bound']} are needed"
+    return f"{proof} of {tried} candidates{more}" + (
+        f"; anywhere at least {anywhere['lower_bound']}" if anywhere else ""
+    )
+
+
+def _print_refinement(refinement: dict[str, Any]) -> None:
+    """Before and after, where it changed something."""
+    before, after = refinement["steps"][0], refinement["steps"][-1]
+    told = [f"{_settings(s['count'])}, {s['met']} met, weakest {_sure(s['weakest'])}" for s in (before, after)]
+    if told[0] != told[1]:
+        print(f"  refined         from {told[0]} to {told[1]}")
+    if not refinement["finished"]:
+        print("  refined         until stopped; more time (--time-limit) may find better")
+
+
 def print_table_summary(
     rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], settings: int, method: str
 ) -> None:
     """For each dimension the best of the evaluated settings, and what cannot be measured at all."""
     dimensions = "1 dimension" if len(rows) == 1 else f"{len(rows)} dimensions"
-    print(f"{dimensions} from {'1 setting' if settings == 1 else f'{settings} settings'}; the best of each:")
+    print(f"{dimensions} from {_settings(settings)}; the best of each:")
     for name, row in rows.items():
         verdict = "accepted" if row["accepted"] else "not accepted"
         seen = (

@@ -14,16 +14,32 @@ from typing import Any
 
 import numpy as np
 
-from ..evaluation import Requirement
-from ..planning import Plan, PlannedDimension, Refinement
+from ..evaluation import GaugeFigures, Requirement
+from ..evaluation.budget import GROUPS, SOURCES, ErrorBudget
+from ..planning import Look, Plan, PlannedDimension, Refinement
+from ..planning.bounds import Certificate, SettingsBound
 from .atomic import write_text_atomically
 from .settings import write_settings
 
 __all__ = ["plan_document", "write_plan_files"]
 
 
-def plan_document(plan: Plan, requirement: Requirement, inputs: Mapping[str, str]) -> dict[str, Any]:
+def plan_document(
+    plan: Plan,
+    requirement: Requirement,
+    inputs: Mapping[str, str],
+    budgets: Mapping[str, ErrorBudget],
+    figures: Mapping[str, GaugeFigures],
+) -> dict[str, Any]:
     """The plan as JSON-ready data (lengths mm; what is not defined is null)."""
+    dimensions = [
+        {
+            **_dimension_document(dimension),
+            "budget": _budget_document(budgets[dimension.id]) if dimension.id in budgets else None,
+            "figures": asdict(figures[dimension.id]) if dimension.id in figures else None,
+        }
+        for dimension in plan.dimensions
+    ]
     return {
         "version": version("viewgauge"),
         "seed": plan.seed,
@@ -33,11 +49,13 @@ def plan_document(plan: Plan, requirement: Requirement, inputs: Mapping[str, str
             {"id": s.id, "T_part_camera": np.asarray(s.T_part_camera).tolist(), "observes": list(s.observes)}
             for s in plan.settings
         ],
-        "dimensions": [_dimension_document(dimension) for dimension in plan.dimensions],
+        "dimensions": dimensions,
         "count": plan.count,
         "lower_bound": plan.lower_bound,
         "gap": plan.gap,
         "proven": plan.proven,
+        "anywhere": None if plan.anywhere is None else _bound_document(plan.anywhere, plan.proven_anywhere),
+        "interrupted": plan.interrupted,
         "candidates": plan.candidate_count,
         "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.dimensions),
     }
@@ -49,6 +67,35 @@ def _refinement_document(refinement: Refinement, dimensions: Sequence[PlannedDim
         "reached": [dimensions[j].id for j in refinement.reached],
         "generated": refinement.generated,
         "finished": refinement.finished,
+    }
+
+
+def _bound_document(bound: SettingsBound, proven: bool) -> dict[str, Any]:
+    return {"lower_bound": bound.count, "proven": proven, "apart": list(bound.apart)}
+
+
+def _budget_document(budget: ErrorBudget) -> dict[str, Any]:
+    """For each source and group its share of the variance, and the probability without it."""
+    return {
+        "combined_uncertainty_mm": float(budget.combined_uncertainty_mm),
+        "probability": float(budget.probability),
+        "sources": {
+            name: {
+                "sensitivity": float(budget.sensitivity[k]),
+                "standard_uncertainty": float(budget.standard_uncertainty[k]),
+                "own_share": float(budget.own_share[k]),
+                "correlation_share": float(budget.correlation_share[k]),
+                "probability_without": float(budget.probability_without[k]),
+            }
+            for k, name in enumerate(SOURCES)
+        },
+        "groups": {
+            name: {
+                "share": float(budget.group_share[name]),
+                "probability_without": float(budget.group_probability_without[name]),
+            }
+            for name in GROUPS
+        },
     }
 
 
@@ -66,33 +113,49 @@ def _dimension_document(dimension: PlannedDimension) -> dict[str, Any]:
         "setting": dimension.setting,
         "gauge": None if dimension.gauge is None else dimension.gauge.tolist(),
         "limit": dimension.limit,
+        "proof": dimension.proof,
         "warning": dimension.warning,
+        "T_part_camera": None if dimension.T_part_camera is None else dimension.T_part_camera.tolist(),
+        "looks": [{"setting": look.setting, "gauge": look.gauge.tolist()} for look in dimension.looks],
+        "single_probability": dimension.single_probability,
+        "certificate": None if dimension.certificate is None else _certificate_document(dimension.certificate),
     }
+
+
+def _certificate_document(certificate: Certificate) -> dict[str, Any]:
+    return {"upper_bound": certificate.upper_bound, "proven": certificate.proven, "cause": certificate.cause}
 
 
 def _number(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
 
-def write_plan_files(plan: Plan, requirement: Requirement, inputs: Mapping[str, str], folder: Path) -> None:
-    """Write ``settings.csv``, ``assignments.csv`` and, last, ``plan.json`` into an existing folder."""
+def write_plan_files(plan: Plan, document: Mapping[str, Any], folder: Path) -> None:
+    """Write ``settings.csv``, ``assignments.csv`` and, last, ``plan.json`` into an existing folder.
+
+    Parameters
+    ----------
+    document
+        Of the plan (:func:`plan_document`).
+    """
     poses = np.array([s.T_part_camera for s in plan.settings]).reshape(-1, 4, 4)  # also where there is none
     write_settings(folder / "settings.csv", [s.id for s in plan.settings], poses)
     write_text_atomically(folder / "assignments.csv", _assignments(plan))
-    document = json.dumps(plan_document(plan, requirement, inputs), indent=2, ensure_ascii=False, allow_nan=False)
-    write_text_atomically(folder / "plan.json", document + "\n")
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    write_text_atomically(folder / "plan.json", text + "\n")
 
 
 def _assignments(plan: Plan) -> str:
-    """One row for each dimension that is met: its setting, how sure, and the two points measured."""
+    """Of each dimension that is met one row for each look: its setting, how sure, and the two points measured."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     points = [f"{end}_{axis}" for end in ("start", "end") for axis in "xyz"]
     writer.writerow(["dimension", "setting", "probability", "expected_accuracy", *points])
     for dimension in plan.dimensions:
         if dimension.setting is not None and dimension.gauge is not None:
-            writer.writerow(
-                [dimension.id, dimension.setting, repr(dimension.probability), repr(dimension.expected_accuracy)]
-                + [repr(float(x)) for x in dimension.gauge.ravel()]
-            )
+            for look in dimension.looks or (Look(dimension.setting, dimension.gauge),):
+                writer.writerow(
+                    [dimension.id, look.setting, repr(dimension.probability), repr(dimension.expected_accuracy)]
+                    + [repr(float(x)) for x in look.gauge.ravel()]
+                )
     return text.getvalue()

@@ -6,8 +6,9 @@ import numpy as np
 
 from ..evaluation import BestRows
 from ..visibility import REASONS
+from .bounds import Certificate
 
-__all__ = ["limiting_cause"]
+__all__ = ["limiting_cause", "proof_sentence"]
 
 _WORDS = {
     "behind_camera": "behind the camera",
@@ -34,3 +35,19 @@ def limiting_cause(best: BestRows, j: int) -> str:
     source = f"pose error ({share:.0%} of the variance)" if share > 0.5 else f"pixels ({1 - share:.0%} of the variance)"
     length = float(best.values.image_length_px[j])
     return f"visible, but limited by {source}: standard deviation {np.sqrt(pose + pixels):.3g} px of {length:.4g} px"
+
+
+def proof_sentence(certificate: Certificate | None, candidate_count: int, given: bool = False) -> str:
+    """What is known of a dimension that no setting meets: proven for the whole region, or only of what was tried.
+
+    Parameters
+    ----------
+    given
+        The candidates are explicit settings, the only ones there are.
+    """
+    if given:
+        return f"none of the {candidate_count} given settings meets it"
+    if certificate is not None and certificate.proven:
+        return f"proven: at most {certificate.upper_words} from anywhere in the region; {certificate.cause}"
+    found = f"not found in {candidate_count} candidates"
+    return found if certificate is None else f"{found}; {certificate.cause}"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..evaluation import WARNINGS, BestRows, Requirement, TableBlock
 from ..part import Dimension, Unusable
 from .bounds import Certificate, SettingsBound
-from .cause import limiting_cause
+from .cause import limiting_cause, proof_sentence
 from .cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
 from .dominance import Undominated
 from .refinement import Refinement
@@ -144,7 +144,8 @@ def compose_plan(
             planned.append(_averaged(entry, looks, [names[k] for k in seen]))
         else:
             pose, certificate = (poses_of_best or {}).get(j), (certificates or {}).get(j)
-            planned.append(replace(entry, T_part_camera=pose, certificate=certificate))
+            proof = proof_sentence(certificate, candidate_count, given=fixed_names)
+            planned.append(replace(entry, T_part_camera=pose, certificate=certificate, proof=proof))
     return Plan(
         seed=seed,
         settings=tuple(

@@ -66,6 +66,8 @@ class PlannedDimension:
         Of the best single look, where there are ``looks``.
     certificate
         What is proven of a dimension that is not met, over all poses of the region; None where nothing was tried.
+    proof
+        The same in a sentence, or that it was only not found; empty unless not met.
     """
 
     id: str
@@ -84,6 +86,7 @@ class PlannedDimension:
     looks: tuple[Look, ...] = ()
     single_probability: float | None = None
     certificate: Certificate | None = None
+    proof: str = ""
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,13 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
+from ..evaluation.budget import ErrorBudget
+from ..evaluation.gauge_figures import GaugeFigures
 from ..evaluation.requirement import Requirement
 from ..geometry.camera import Camera
 from ..part.dimension import Part
 from ..planning.result import Plan
+from .budget import budget_section, figures_section, refinement_section
 from .scene import build_scene
 from .summary import summary_markup
 from .tables import dimension_table, fact_table, setting_table
@@ -52,7 +55,15 @@ def _notes(part: Part, remark: str) -> str:
 
 
 def render_report(
-    plan: Plan, part: Part, camera: Camera, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
+    plan: Plan,
+    part: Part,
+    camera: Camera,
+    requirement: Requirement,
+    *,
+    title: str,
+    inputs: Mapping[str, str],
+    budgets: Mapping[str, ErrorBudget] | None = None,
+    figures: Mapping[str, GaugeFigures] | None = None,
 ) -> str:
     """The report of a plan as one HTML text that works offline.
 
@@ -62,6 +73,8 @@ def render_report(
         Heading, such as the part's name.
     inputs
         What the plan was made from: file names with their hashes, versions.
+    budgets, figures
+        Of dimensions, by id, as far as they have some.
 
     Returns
     -------
@@ -80,6 +93,9 @@ def render_report(
         notes=_notes(part, remark),
         dimensions=dimension_table(plan),
         settings=setting_table(plan, part, camera),
+        refinement=refinement_section(plan),
+        budget=budget_section(plan, budgets or {}),
+        figures=figures_section(plan, figures or {}),
         camera=fact_table(_camera_facts(camera)),
         inputs=fact_table(made_from),
         plotly=get_plotlyjs(),

@@ -41,9 +41,17 @@ def _missing(plan: Plan) -> str:
 def _optimality(plan: Plan) -> str:
     if plan.count == 0:
         return "no candidate meets any dimension"
+    if plan.proven_anywhere:
+        return "proven the fewest anywhere in the region"
+    known = "the candidates" if plan.refinement is None else "the settings known"
+    anywhere = "" if plan.anywhere is None else f"; anywhere at least {plan.anywhere.count}"
     if plan.proven:
-        return "proven the fewest among the candidates"
-    return f"at least {plan.lower_bound} needed; gap {plan.gap:.0%}"
+        return f"proven the fewest among {known}{anywhere}"
+    return f"at least {plan.lower_bound} needed; gap {plan.gap:.0%}{anywhere}"
+
+
+def _unfinished(plan: Plan) -> str:
+    return "; interrupted: the best so far" if plan.interrupted else ""
 
 
 def _card(label: str, value: str, remark: str) -> str:
@@ -60,7 +68,7 @@ def summary_markup(plan: Plan) -> str:
         _card("Dimensions met", f"{len(met)} of {len(plan.dimensions)}", _missing(plan)),
         _card("Camera settings", str(plan.count), _optimality(plan)),
         _card("Least sure of those met", *_weakest(weakest.id, weakest.probability) if weakest else (DASH, "none met")),
-        _card("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}"),
+        _card("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
     )
     mark = element("p", ("✓ " if good else "✗ ") + text, class_=f"verdict {'good' if good else 'bad'}")
     return mark + element("div", markup="".join(cards), class_="cards")

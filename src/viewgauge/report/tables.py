@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 
 import numpy as np
 
@@ -13,12 +14,12 @@ from ..planning.result import Plan, PlannedDimension, PlannedSetting, Status
 from .palette import setting_colours
 from .wording import DASH, element, length, probability, tolerance
 
-__all__ = ["dimension_table", "fact_table", "setting_table"]
+__all__ = ["dimension_table", "fact_table", "markup_table", "setting_table"]
 
 STATUS_WORDS: dict[Status, str] = {"unmet": "not met", "not_measurable": "not measurable", "met": "met"}
 
 
-def _table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
+def markup_table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
     """A table; each heading comes with the class of its column (``num`` for numbers)."""
     cells = "".join(element("th", text, scope="col", class_=kind) for text, kind in head)
     return (
@@ -32,9 +33,9 @@ def _table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
 
 def _setting_mark(name: str | None, colours: Mapping[str, str]) -> str:
     if name is None:
-        return element("td", DASH)
+        return escape(DASH)
     swatch = element("span", class_="swatch", style=f"background:{colours.get(name, 'transparent')}")
-    return element("td", markup=swatch + element("span", name))
+    return swatch + element("span", name)
 
 
 def _quantity(value: float, kind: str) -> str:
@@ -69,10 +70,28 @@ def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> s
         element("td", markup=element("span", STATUS_WORDS[dimension.status], class_=f"status {dimension.status}")),
         _share(surely),
         _share(dimension.expected_accuracy if reached else math.nan),
-        _setting_mark(dimension.setting, colours),
-        element("td", dimension.limit, class_="limit"),
+        _settings_cell(dimension, colours),
+        element("td", _remark(dimension), class_="limit"),
     )
     return element("tr", markup="".join(cells), class_=dimension.status)
+
+
+def _settings_cell(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
+    """The setting, or those of several looks."""
+    names = (*(look.setting for look in dimension.looks),) or (dimension.setting,)
+    return element("td", markup=" ".join(_setting_mark(name, colours) for name in names))
+
+
+def _remark(dimension: PlannedDimension) -> str:
+    """What limits it and what is proven; of an averaged one what the best single look would be worth."""
+    if dimension.looks and dimension.single_probability is not None:
+        alone = probability(dimension.single_probability)
+        return f"mean of {len(dimension.looks)} looks; the best alone {alone}"
+    return ". ".join(said[0].upper() + said[1:] if n else said for n, said in enumerate(_said(dimension)))
+
+
+def _said(dimension: PlannedDimension) -> list[str]:
+    return [text for text in (dimension.limit, dimension.proof) if text]
 
 
 def dimension_table(plan: Plan) -> str:
@@ -92,7 +111,7 @@ def dimension_table(plan: Plan) -> str:
     order = list(STATUS_WORDS)
     ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
     colours = setting_colours(plan)
-    return _table(head, [_dimension_row(dimension, colours) for dimension in ranked])
+    return markup_table(head, [_dimension_row(dimension, colours) for dimension in ranked])
 
 
 def working_distance_mm(setting: PlannedSetting, plan: Plan, part: Part) -> float:
@@ -126,7 +145,7 @@ def setting_table(plan: Plan, part: Part, camera: Camera) -> str:
         distance = working_distance_mm(setting, plan, part)
         pixel = distance * max(camera.pixel_pitch_mm) / camera.focal_length_mm
         cells = (
-            _setting_mark(setting.id, colours),
+            element("td", markup=_setting_mark(setting.id, colours)),
             element("td", _vector(setting.T_part_camera[:3, 3], 1), class_="num"),
             element("td", _vector(setting.T_part_camera[:3, 2], 3), class_="num"),
             element("td", f"{distance:.0f}", class_="num"),
@@ -135,7 +154,7 @@ def setting_table(plan: Plan, part: Part, camera: Camera) -> str:
             element("td", ", ".join(setting.observes), class_="limit"),
         )
         rows.append(element("tr", markup="".join(cells)))
-    return _table(head, rows)
+    return markup_table(head, rows)
 
 
 def fact_table(facts: Mapping[str, str]) -> str:

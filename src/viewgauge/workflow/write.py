@@ -23,8 +23,10 @@ __all__ = ["describe_plan", "output_folder", "write_evaluation", "write_plan"]
 def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
     """The content of plan.json."""
     from ..io.plan_files import plan_document
+    from .budget import error_budgets, figures_of_gauges
 
-    return plan_document(plan, inspection.requirement, inspection.inputs)
+    budgets, figures = error_budgets(inspection, plan), figures_of_gauges(inspection, plan)
+    return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
 
 
 def make_folder(path: str | PathLike[str]) -> Path:
@@ -63,6 +65,7 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
     from ..io.atomic import write_text_atomically
     from ..io.plan_files import write_plan_files
     from ..report import render_report
+    from .budget import error_budgets, figures_of_gauges
 
     place = make_folder(folder)
     report = render_report(
@@ -72,9 +75,11 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
         inspection.requirement,
         title=inspection.name,
         inputs={f"{name} (SHA-256)": digest for name, digest in inspection.inputs.items()},
+        budgets=error_budgets(inspection, plan),
+        figures=figures_of_gauges(inspection, plan),
     )
     write_text_atomically(place / "report.html", report)
-    write_plan_files(plan, inspection.requirement, inspection.inputs, place)
+    write_plan_files(plan, describe_plan(plan, inspection), place)
 
 
 def write_evaluation(table: xr.Dataset, path: str | PathLike[str]) -> None:

@@ -44,6 +44,11 @@ class Certificate:
     proven: bool
     cause: str
 
+    @property
+    def upper_words(self) -> str:
+        """The bound to four digits, rounded up: it stays one."""
+        return _up(self.upper_bound)
+
 
 def certify(
     dimension: Dimension,
