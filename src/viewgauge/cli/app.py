@@ -16,49 +16,21 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, CycloptsError, Parameter, Token
+from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
+from .inverse import improve, specify
+from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .progress import Bars
 
 __all__ = ["main"]
 
-_DONE, _NOT_MET, _BAD_INPUT = 0, 1, 2
+_BAD_INPUT = 2
 _INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
 # as workflow/chunks.py and planning/cover.py have them, which take long to import; a test compares
 _SETTINGS_PER_CHUNK, _TIME_LIMIT_S = 16_384, 60.0
-
-_Part = Annotated[Path | None, Parameter(name="--part", help="CAD file or mesh, in place of the file's own.")]
-_Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the result as JSON.")]
-
-_Scheduler = Annotated[str | None, Parameter(name="--scheduler", help="Run on the Dask scheduler at this address.")]
-
-
-def _whole_number(_: object, tokens: Sequence[Token]) -> int:
-    """An int from its digits only: 1.5 is an error and not 1."""
-    try:
-        return int(tokens[0].value)
-    except ValueError:
-        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
-
-
-def _count(kind: object, tokens: Sequence[Token]) -> int:
-    """A whole number from 1 on, refused before anything is read."""
-    number = _whole_number(kind, tokens)
-    if number < 1:
-        raise ValueError(f"{tokens[0].value!r} is not a whole number from 1 on")
-    return number
-
-
-_Workers = Annotated[
-    int | None,
-    Parameter(name="--workers", converter=_count, help="Run on this many processes (Dask) of this machine."),
-]
-_Chunk = Annotated[
-    int, Parameter(name="--chunk", converter=_count, help="Settings evaluated at once; bounds the memory.")
-]
 
 
 def _version() -> str:
@@ -83,16 +55,16 @@ def _plan(
     /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
-    part: _Part = None,
-    seed: Annotated[int | None, Parameter(converter=_whole_number)] = None,
-    scheduler: _Scheduler = None,
-    workers: _Workers = None,
-    chunk: _Chunk = _SETTINGS_PER_CHUNK,
+    part: PartFile = None,
+    seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    chunk: Chunk = _SETTINGS_PER_CHUNK,
     refine: bool = True,
     prove: bool = True,
     time_limit: float = _TIME_LIMIT_S,
     gap: float = 0.0,
-    json: _Json = False,
+    json: Json = False,
 ) -> int:
     """Choose the fewest settings that measure every dimension as required.
 
@@ -142,7 +114,7 @@ def _plan(
         print_json(document)
     else:
         print_plan(document, str(output))
-    return _DONE if plan.all_met else _NOT_MET
+    return DONE if plan.all_met else NOT_MET
 
 
 @app.command(name="evaluate")
@@ -156,11 +128,11 @@ def _evaluate(
     precision: float = 1e-3,
     sampled: Annotated[bool, Parameter(negative="")] = False,
     columns: str | None = None,
-    part: _Part = None,
-    scheduler: _Scheduler = None,
-    workers: _Workers = None,
-    chunk: _Chunk = _SETTINGS_PER_CHUNK,
-    json: _Json = False,
+    part: PartFile = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
+    chunk: Chunk = _SETTINGS_PER_CHUNK,
+    json: Json = False,
 ) -> int:
     """Evaluate every dimension from every given setting.
 
@@ -213,11 +185,11 @@ def _evaluate(
         print_table_summary(best, refused, count, method)
         if output is not None:
             print(f"written to {output}")
-    return _DONE if not refused and all(row["accepted"] for row in best.values()) else _NOT_MET
+    return DONE if not refused and all(row["accepted"] for row in best.values()) else NOT_MET
 
 
 @app.command(name="check")
-def _check(file: Path, /, *, part: _Part = None, json: _Json = False) -> int:
+def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
     """Validate the inputs and say what was read.
 
     Parameters
@@ -233,7 +205,11 @@ def _check(file: Path, /, *, part: _Part = None, json: _Json = False) -> int:
         print_json(document)
     else:
         print_check(document)
-    return _NOT_MET if document["not_measurable"] else _DONE
+    return NOT_MET if document["not_measurable"] else DONE
+
+
+app.command(improve, name="improve")
+app.command(specify, name="specify")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -264,4 +240,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # such as "| head": no more can be told, and Python would try again as it ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _NOBODY_READS
-    return result if isinstance(result, int) else _DONE
+    return result if isinstance(result, int) else DONE

@@ -6,7 +6,7 @@ import json
 import sys
 from typing import Any
 
-__all__ = ["print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
+__all__ = ["certainty", "print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
 
 _STATUSES = ("unmet", "not_measurable", "met")
 
@@ -40,14 +40,15 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
         print("  interrupted: the best so far; run it again for the rest")
     required = document["requirement"]["probability"]
     for dimension in by_status["unmet"]:
-        best = f"best probability {_sure(dimension['probability'])} of {required:g} required"
+        best = f"best probability {certainty(dimension['probability'])} of {required:g} required"
         print(f"  unmet           {dimension['id']}: {best}; {dimension['limit']}")
         print(f"                  {dimension['proof']}")
     for dimension in by_status["met"]:
         if dimension["looks"]:
             names = ", ".join(look["setting"] for look in dimension["looks"])
-            alone = _sure(dimension["single_probability"])
-            print(f"  averaged        {dimension['id']}: {_sure(dimension['probability'])} from {names}; alone {alone}")
+            alone = certainty(dimension["single_probability"])
+            mean = certainty(dimension["probability"])
+            print(f"  averaged        {dimension['id']}: {mean} from {names}; alone {alone}")
     for dimension in by_status["not_measurable"]:
         print(f"  not measurable  {dimension['id']}: {dimension['limit']}")
     for dimension in document["dimensions"]:
@@ -56,7 +57,7 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
             print(f"  warning         {dimension['id']}: {dimension['warning']}; {told} with the exact camera")
     if by_status["met"]:
         weakest = min(by_status["met"], key=lambda d: float(d["probability"]))
-        print(f"weakest dimension met: {weakest['id']} with probability {_sure(weakest['probability'])}")
+        print(f"weakest dimension met: {weakest['id']} with probability {certainty(weakest['probability'])}")
     for setting in document["settings"]:
         print(f"  {setting['id']} measures {', '.join(setting['observes'])}")
     print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
@@ -81,7 +82,7 @@ def _optimality(document: dict[str, Any]) -> str:
 def _print_refinement(refinement: dict[str, Any]) -> None:
     """Before and after, where it changed something."""
     before, after = refinement["steps"][0], refinement["steps"][-1]
-    told = [f"{_settings(s['count'])}, {s['met']} met, weakest {_sure(s['weakest'])}" for s in (before, after)]
+    told = [f"{_settings(s['count'])}, {s['met']} met, weakest {certainty(s['weakest'])}" for s in (before, after)]
     if told[0] != told[1]:
         print(f"  refined         from {told[0]} to {told[1]}")
     if not refinement["finished"]:
@@ -97,7 +98,7 @@ def print_table_summary(
     for name, row in rows.items():
         verdict = "accepted" if row["accepted"] else "not accepted"
         seen = (
-            f"probability {_sure(row['probability'])} from {row['setting']}"
+            f"probability {certainty(row['probability'])} from {row['setting']}"
             if row["visible"]
             else f"not visible ({row['reason']})"
         )
@@ -130,7 +131,7 @@ def print_check(document: dict[str, Any]) -> None:
         print(f"  {d['id']}: {d['kind']}; {d['reason']}")
 
 
-def _sure(probability: float) -> str:
+def certainty(probability: float) -> str:
     """A probability rounded down: it never reads higher than it is, and never as certain."""
     if probability > 0.9999:
         return "> 0.9999"

@@ -110,7 +110,7 @@ class Evaluator:
         self._requirement, self._mesh, self._limits = requirement, mesh, limits or ObservationLimits()
         self.allowed_error_mm = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
         self._gauges, self._camera, self._error, self._method = gauges, camera, error, method
-        self._required = requirement.probability
+        self.required = requirement.probability
         self._tolerance = self.allowed_error_mm[gauges.dimension] / gauges.length_mm
         self._first = np.append(gauges.first, len(gauges)).astype(np.int64)
         self._culling = Culling(gauges, camera, self._limits)
@@ -127,6 +127,20 @@ class Evaluator:
             self._mesh,
             self._camera,
             self._error,
+            self._requirement,
+            self._limits,
+            self._method,
+            self.threads,
+            self._occluder,
+        )
+
+    def with_errors(self, camera: Camera, error: PoseError) -> Evaluator:
+        """The same with another camera and head."""
+        return Evaluator(
+            self.dimensions,
+            self._mesh,
+            camera,
+            error,
             self._requirement,
             self._limits,
             self._method,
@@ -230,7 +244,7 @@ class Evaluator:
         return codes
 
     def _accepted_block(self, poses: NDArray[np.float64]) -> Accepted:
-        ranked = self._ranked(poses, self._required)
+        ranked = self._ranked(poses, self.required)
         at = np.nonzero(ranked.seen)
         certain = np.zeros(ranked.seen.shape, dtype=bool)
         certain[at] = self._columns.neglected(ranked.views, at[0], ranked.gauge[at]) < _SCREEN

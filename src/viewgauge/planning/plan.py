@@ -141,7 +141,8 @@ def compose_plan(
             seen = [place[row] for row in looks.rows]
             for k in seen:
                 observes[k].append(dimension.id)
-            planned.append(_averaged(entry, looks, [names[k] for k in seen]))
+            in_order = sorted(zip(seen, looks.gauges, strict=True), key=lambda look: look[0])
+            planned.append(_averaged(entry, looks, tuple(Look(names[k], gauge) for k, gauge in in_order)))
         else:
             pose, certificate = (poses_of_best or {}).get(j), (certificates or {}).get(j)
             proof = proof_sentence(certificate, candidate_count, given=fixed_names)
@@ -160,9 +161,8 @@ def compose_plan(
     )
 
 
-def _averaged(entry: PlannedDimension, looks: Averaged, names: Sequence[str]) -> PlannedDimension:
-    """The entry of a dimension that the mean of looks from these settings meets."""
-    of_looks = tuple(Look(name, gauge) for name, gauge in zip(names, looks.gauges, strict=True))
+def _averaged(entry: PlannedDimension, looks: Averaged, of_looks: tuple[Look, ...]) -> PlannedDimension:
+    """The entry of a dimension that the mean of looks meets."""
     return replace(
         entry,
         status="met",

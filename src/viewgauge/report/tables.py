@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry.camera import Camera
 from ..part.dimension import Part
@@ -31,9 +32,7 @@ def markup_table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
     )
 
 
-def _setting_mark(name: str | None, colours: Mapping[str, str]) -> str:
-    if name is None:
-        return escape(DASH)
+def _setting_mark(name: str, colours: Mapping[str, str]) -> str:
     swatch = element("span", class_="swatch", style=f"background:{colours.get(name, 'transparent')}")
     return swatch + element("span", name)
 
@@ -78,8 +77,8 @@ def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> s
 
 def _settings_cell(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
     """The setting, or those of several looks."""
-    names = (*(look.setting for look in dimension.looks),) or (dimension.setting,)
-    return element("td", markup=" ".join(_setting_mark(name, colours) for name in names))
+    names = [name for name, _ in _looks(dimension)]
+    return element("td", markup="<br>".join(_setting_mark(name, colours) for name in names) or escape(DASH))
 
 
 def _remark(dimension: PlannedDimension) -> str:
@@ -116,9 +115,16 @@ def dimension_table(plan: Plan) -> str:
 
 def working_distance_mm(setting: PlannedSetting, plan: Plan, part: Part) -> float:
     """Depth, along the optical axis, of the middle of the gauges measured from a setting (of the part if none)."""
-    mine = [d.gauge for d in plan.dimensions if d.setting == setting.id and d.gauge is not None]
+    mine = [gauge for d in plan.dimensions for name, gauge in _looks(d) if name == setting.id]
     middle = np.mean(np.concatenate(mine), axis=0) if mine else part.mesh.bounds.mean(axis=0)
     return float((middle - setting.T_part_camera[:3, 3]) @ setting.T_part_camera[:3, 2])
+
+
+def _looks(dimension: PlannedDimension) -> list[tuple[str, NDArray[np.float64]]]:
+    """The settings that a dimension is measured from, and what is measured from each."""
+    if dimension.looks:
+        return [(look.setting, look.gauge) for look in dimension.looks]
+    return [(dimension.setting, dimension.gauge)] if dimension.setting and dimension.gauge is not None else []
 
 
 def _vector(values: np.ndarray, digits: int) -> str:

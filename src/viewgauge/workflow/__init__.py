@@ -9,24 +9,49 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..io.table_store import require_table_suffix
+    from .budget import error_budgets, figures_of_gauges
     from .check import check
     from .evaluate import Evaluation, Method, evaluate, evaluate_into, success_probability
     from .execution import open_executor
+    from .improve import improve
     from .inspection import ExplicitSettings, Inspection
     from .load import load
     from .plan import plan
     from .progress import Progress, Silent
-    from .write import describe_plan, output_folder, write_evaluation, write_plan
+    from .specify import specify
+    from .write import (
+        describe_improvement,
+        describe_plan,
+        describe_specification,
+        output_folder,
+        write_document,
+        write_evaluation,
+        write_plan,
+    )
 
 _HOME = {
+    **dict.fromkeys(("error_budgets", "figures_of_gauges"), ".budget"),
     "check": ".check",
     **dict.fromkeys(("Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"), ".evaluate"),
     **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
+    "improve": ".improve",
     "load": ".load",
     "open_executor": ".execution",
     "plan": ".plan",
+    "specify": ".specify",
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
-    **dict.fromkeys(("describe_plan", "output_folder", "write_evaluation", "write_plan"), ".write"),
+    **dict.fromkeys(
+        (
+            "describe_improvement",
+            "describe_plan",
+            "describe_specification",
+            "output_folder",
+            "write_document",
+            "write_evaluation",
+            "write_plan",
+        ),
+        ".write",
+    ),
     "require_table_suffix": "..io.table_store",
 }
 
@@ -38,15 +63,22 @@ __all__ = [
     "Progress",
     "Silent",
     "check",
+    "describe_improvement",
     "describe_plan",
+    "describe_specification",
+    "error_budgets",
     "evaluate",
     "evaluate_into",
+    "figures_of_gauges",
+    "improve",
     "load",
     "open_executor",
     "output_folder",
     "plan",
     "require_table_suffix",
+    "specify",
     "success_probability",
+    "write_document",
     "write_evaluation",
     "write_plan",
 ]

@@ -15,9 +15,18 @@ if TYPE_CHECKING:  # what takes long to import is imported where it is used
     import xarray as xr
 
     from ..planning import Plan
+    from ..planning.improvement import Improvement, Specification
     from .inspection import Inspection
 
-__all__ = ["describe_plan", "output_folder", "write_evaluation", "write_plan"]
+__all__ = [
+    "describe_improvement",
+    "describe_plan",
+    "describe_specification",
+    "output_folder",
+    "write_document",
+    "write_evaluation",
+    "write_plan",
+]
 
 
 def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
@@ -27,6 +36,30 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
 
     budgets, figures = error_budgets(inspection, plan), figures_of_gauges(inspection, plan)
     return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
+
+
+def describe_improvement(improvement: Improvement, inspection: Inspection) -> dict[str, Any]:
+    """What to improve, as JSON-ready data."""
+    from ..io.improvement_document import improvement_document
+
+    return improvement_document(improvement, inspection.requirement, inspection.inputs)
+
+
+def describe_specification(specification: Specification, inspection: Inspection) -> dict[str, Any]:
+    """Cameras for a part, as JSON-ready data."""
+    from ..io.improvement_document import specification_document
+
+    return specification_document(specification, inspection.requirement, inspection.inputs)
+
+
+def write_document(document: dict[str, Any], path: str | PathLike[str]) -> None:
+    """Write JSON-ready data to a file, whole or not at all; its folder is there."""
+    import json
+
+    from ..io.atomic import write_text_atomically
+
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    write_text_atomically(Path(path), text + "\n")
 
 
 def make_folder(path: str | PathLike[str]) -> Path:
