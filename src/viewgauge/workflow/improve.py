@@ -23,6 +23,7 @@ from .progress import Progress, Silent
 
 __all__ = ["improve", "settled_change"]
 
+_STEPS_BEYOND = 100  # of 0.1 %, at most
 _PIXELS = 2.0 ** np.arange(-4, 3)  # of the trade-off
 
 
@@ -70,7 +71,10 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
                 advance(1)
             if asked:
                 of_asked = {dimensions[j].id: of_each[j][knob.name] for j in asked}
-                part[knob.name] = moved.change(asked) if moved else _of_part(of_asked)
+                change = moved.change(asked) if moved else _of_part(of_asked)
+                if moved is None and change.factor is not None:
+                    change = _verified(change, _turned(evaluator.of(asked), setup, knob), poses)
+                part[knob.name] = change
     if asked and {"pixel", "head"} <= knobs.keys():
         with progress.stage("Trading pixels for the head", len(_PIXELS)) as advance:
             trade_off = tuple(_trades(evaluator.of(asked), poses, setup, advance))
@@ -105,11 +109,25 @@ def settled_change(evaluator: Evaluator, poses: NDArray[np.float64], setup: SetU
     if threshold.factor is None:
         best = float(turned(0.0).probabilities(poses).max())
         return Change(None, None, None, False, best, not meeting(turned(0.0), poses).any(axis=0).all())
-    factor, value = threshold.factor, threshold.factor * knob.today(setup)
-    verified = _all_met(turned(factor), poses)
-    if not threshold.unlimited:
-        verified &= not _all_met(turned(factor * (1 + SHORT)), poses)
-    return Change(factor, value, (0.0, value), threshold.unlimited, None, verified)
+    factor, unlimited = threshold.factor, threshold.unlimited
+    met_beyond = not unlimited and _all_met(turned(factor * (1 + SHORT)), poses)
+    for _ in range(
+        _STEPS_BEYOND
+    ):  # where the small-error model ceases to answer, less of an error is not always better
+        if not met_beyond:
+            break
+        factor *= 1 + SHORT
+        met_beyond = _all_met(turned(factor * (1 + SHORT)), poses)
+    value = factor * knob.today(setup)
+    return _verified(Change(factor, value, (0.0, value), unlimited, None, True), turned, poses)
+
+
+def _verified(change: Change, turned: Callable[[float], Evaluator], poses: NDArray[np.float64]) -> Change:
+    """The change of an error with whether it holds, all settings evaluated afresh."""
+    assert change.factor is not None  # the caller's condition
+    holds = _all_met(turned(change.factor), poses)
+    short = not change.unlimited and _all_met(turned(change.factor * (1 + SHORT)), poses)
+    return replace(change, verified=holds and not short)
 
 
 def _all_met(evaluator: Evaluator, poses: NDArray[np.float64]) -> bool:
