@@ -49,15 +49,19 @@ def averaged(
         )
         poses = np.concatenate([arrangement.T_part_camera, poses])
         arrangement = replace(arrangement, T_part_camera=poses, table=table)
-    found = {asked[entry.dimension]: _of(entry, looked) for entry in added.dimensions}
+    found = {}
+    for entry in added.dimensions:
+        rows, at = arrangement.best[asked[entry.dimension]]
+        found[asked[entry.dimension]] = _of(entry, looked, float(rows.values.probability[at]))
     return arrangement, found, added.settings
 
 
-def _of(entry: DimensionByLooks, job: EvaluationJob) -> Averaged:
+def _of(entry: DimensionByLooks, job: EvaluationJob, refined_probability: float) -> Averaged:
     length = job.dimensions[entry.dimension].nominal_mm
     # mean of |error|, as of a normal law, which a mean of looks is near to
     accuracy = 1 - np.sqrt(2 / np.pi) * entry.deviation_mm / length
-    return Averaged(entry.looks, entry.gauges, entry.probability, float(accuracy), entry.probability_single)
+    alone = max(entry.probability_single, refined_probability)
+    return Averaged(entry.looks, entry.gauges, entry.probability, float(accuracy), alone)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,190 @@
+"""How good plans are: greedy, the best of the candidates, refined, with bounds, each probability by the exact camera.
+
+Usage: python benchmarks/best_plans.py [FOLDER_OF_STEP_FILES] [--precision P] [--directions N]
+
+The slotted block, and with the folder of the NIST STEP files the five CTC parts, planned as their inspection files say.
+Prints Markdown. Exit code 1 if the exact camera contradicts a probability, or refining made a plan worse.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import viewgauge as vg
+from viewgauge.geometry import invert, transform
+from viewgauge.planning import without_allowed_error
+from viewgauge.simulation import estimate_success_probabilities
+from viewgauge.workflow.chunks import EvaluationJob, candidate_grid, evaluator_of
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+MODEL_ERROR = 3e-4  # of a probability without warning: docs/paper/validity.md
+CONFIDENCE = 0.9999  # of each interval: of 200, one fails by chance with a probability of 2 %
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was found of a part; ``weakest`` is the least probability of what is met."""
+
+    part: str
+    dimensions: int
+    met: int
+    greedy: tuple[int, float]
+    sampled: tuple[int, int, float]
+    same_count: float
+    refined: tuple[int, int, float]
+    anywhere: int
+    unmet: Sequence[str]
+    contradicted: int
+    difference: float
+    seconds: tuple[float, float]
+
+    @property
+    def worse(self) -> bool:
+        """Refining cost settings or sureness, which it must not."""
+        return self.refined[0] > self.sampled[0] or self.same_count < self.sampled[2] - 1e-12
+
+    @property
+    def surer(self) -> bool:
+        """With as many settings the weakest dimension is strictly surer."""
+        return self.same_count > self.sampled[2]
+
+
+def parts(folder: Path | None) -> Iterator[tuple[str, vg.Inspection]]:
+    """The parts by name, read."""
+    yield "slotted block", vg.load(EXAMPLES / "slotted_block" / "inspection.yaml")
+    for file in sorted((EXAMPLES / "nist").glob("ctc_*.yaml")) if folder else ():
+        number = file.stem.removeprefix("ctc_")
+        part = next(iter(sorted(folder.glob(f"nist_ctc_{number}_*_ap242*.stp"))), None)
+        if part is None:
+            sys.exit(f"no nist_ctc_{number}_*_ap242*.stp in {folder}")
+        yield f"CTC-{number}", vg.load(file, part=part)
+
+
+def greedy(inspection: vg.Inspection) -> tuple[int, float]:
+    """The textbook's cover: again and again the candidate that measures most of what is left, the first of equals."""
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    grid = candidate_grid(inspection, dimensions)
+    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, grid))
+    probability = evaluator.accepted(grid.poses(0, len(grid))).probability
+    accepted = probability >= inspection.requirement.probability
+    left, chosen = accepted.any(axis=0), []
+    while left.any():
+        chosen.append(int((accepted & left).sum(axis=1).argmax()))
+        left &= ~accepted[chosen[-1]]
+    best = probability[chosen].max(axis=0)
+    return len(chosen), float(best[accepted.any(axis=0)].min())
+
+
+def confirmed(inspection: vg.Inspection, plan: vg.Plan, precision: float) -> tuple[int, float]:
+    """How many probabilities of dimensions met the exact camera contradicts, and the largest difference."""
+    met = [d for d in plan.dimensions if d.status == "met" and not d.looks]
+    points = np.array([transform(invert(d.T_part_camera), d.gauge) for d in met])
+    tolerance = [d.allowed_error_mm / np.linalg.norm(np.diff(d.gauge, axis=0)) for d in met]
+    exact = estimate_success_probabilities(
+        points[:, 0],
+        points[:, 1],
+        inspection.camera,
+        inspection.head,
+        np.array(tolerance),
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=1,
+    )
+    said = np.array([d.probability for d in met])
+    outside = (said < exact.low - MODEL_ERROR) | (said > exact.high + MODEL_ERROR)
+    return int(outside.sum()), float(np.abs(said - exact.probability).max())
+
+
+def row(name: str, inspection: vg.Inspection, precision: float) -> Row:
+    """Plan a part both ways and judge the figures."""
+    start = time.perf_counter()
+    sampled = vg.plan(inspection, refine=False, prove=False)
+    between = time.perf_counter()
+    refined = vg.plan(inspection)
+    seconds = between - start, time.perf_counter() - between
+    steps = {step.name: step for step in refined.refinement.steps}
+    same = steps["surer"].weakest if steps["surer"].count == sampled.count else steps["sampled"].weakest
+    contradicted, difference = confirmed(inspection, refined, precision)
+    unmet = [d for d in refined.dimensions if d.status == "unmet"]
+    return Row(
+        name,
+        sum(d.status != "not_measurable" for d in refined.dimensions),
+        sum(d.status == "met" for d in refined.dimensions),
+        greedy(inspection),
+        (sampled.count, sampled.lower_bound, weakest(sampled)),
+        same,
+        (refined.count, refined.lower_bound, weakest(refined)),
+        refined.anywhere.count,
+        [f"{d.id}: {d.proof}" for d in unmet],
+        contradicted,
+        difference,
+        seconds,
+    )
+
+
+def weakest(plan: vg.Plan) -> float:
+    """Least probability of what is met."""
+    return min(d.probability for d in plan.dimensions if d.status == "met")
+
+
+HEAD = (
+    *("part", "met", "greedy", "weakest", "of the candidates", "bound", "weakest"),
+    *(
+        "as many, refined: weakest",
+        "refined",
+        "bound",
+        "anywhere",
+        "gap",
+        "weakest",
+        "exact camera differs by",
+        "seconds",
+    ),
+)
+
+
+def cells(of: Row) -> tuple[object, ...]:
+    """A row of the table."""
+    gap = (of.refined[0] - of.anywhere) / of.refined[0]
+    return (
+        *(of.part, f"{of.met} of {of.dimensions}", of.greedy[0], f"{of.greedy[1]:.4f}"),
+        *(of.sampled[0], of.sampled[1], f"{of.sampled[2]:.4f}", f"{of.same_count:.4f}"),
+        *(of.refined[0], of.refined[1], of.anywhere, f"{gap:.0%}", f"{of.refined[2]:.4f}"),
+        *(f"{of.difference:.1e}", f"{of.seconds[0]:.1f} + {of.seconds[1]:.1f}"),
+    )
+
+
+def main() -> int:
+    """Print the table, and what is proven of what is not met."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, nargs="?", help="the NIST STEP files")
+    parser.add_argument("--precision", type=float, default=3e-4, help="half-width of the exact camera's intervals")
+    parser.add_argument("--directions", type=int, help="of the candidates, in place of the files'")
+    given = parser.parse_args()
+    rows = []
+    print("| " + " | ".join(HEAD) + " |")
+    print("|" + " --- |" * len(HEAD))
+    for name, inspection in parts(given.folder):
+        if given.directions:
+            inspection = replace(inspection, candidates=replace(inspection.candidates, directions=given.directions))
+        rows.append(row(name, inspection, given.precision))
+        print("| " + " | ".join(str(cell) for cell in cells(rows[-1])) + " |", flush=True)
+    print()
+    for of in rows:
+        for unmet in of.unmet:
+            print(f"- {of.part}, {unmet}")
+    surer, worse = sum(of.surer for of in rows), sum(of.worse for of in rows)
+    contradicted = sum(of.contradicted for of in rows)
+    print(f"\nStrictly surer with as many settings: {surer} of {len(rows)}; worse: {worse}.")
+    print(f"Probabilities of dimensions met that the exact camera contradicts: {contradicted}.")
+    return 1 if worse or contradicted else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
