@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from box_inspection import SECTIONS, refused, write
 
 from viewgauge.cli import main
 from viewgauge.io import step_process
@@ -19,50 +20,8 @@ from viewgauge.io import step_process
 pytestmark = pytest.mark.usefixtures("folder")
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slotted_block"
-SECTIONS = {
-    "part": """
-  file: box.stl
-  dimensions:
-    - id: width
-      start: [0, 0, 40] mm
-      end: [80, 0, 40] mm
-      tolerance: 0.1 mm
-    - id: heel
-      start: [0, 50, 0] mm
-      end: [80, 50, 0] mm
-      tolerance: [-0.1, 0.2] mm""",
-    "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}",
-    "head": "{translation: 0.1 mm, rotation: 0.02 deg}",
-    "requirement": "{accuracy: 0.995, probability: 0.95}",
-    "candidates": "{directions: 40, rolls: 2}",
-}
 HEADER = "id,x,y,z,qw,qx,qy,qz\n"
 ABOVE = "above,40,0,350,0,1,0,0\n"  # half a turn about x: looks down on the edge "width" of the box
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A folder, also the current one, with a box and its inspection file."""
-    import trimesh
-
-    monkeypatch.chdir(tmp_path)
-    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export("box.stl")
-    write()
-    return tmp_path
-
-
-def write(name="inspection.yaml", **changes):
-    Path(name).write_text("".join(f"{key}: {value}\n" for key, value in {**SECTIONS, **changes}.items()))
-
-
-def refused(capsys, *arguments):
-    """The message of a command that has to end with exit code 2."""
-    assert main([str(a) for a in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert err.startswith("viewgauge: ")
-    assert "Traceback" not in err
-    assert out == ""
-    return err
 
 
 # --- good runs --------------------------------------------------------------------------------------------------------
