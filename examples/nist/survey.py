@@ -17,7 +17,8 @@ COMMAND = "python examples/nist/survey.py FOLDER_OF_STEP_FILES > docs/nist.md"
 
 COLUMNS = (
     *("part", "unit", "callouts", "with tolerance", "PLUS_MINUS_TOLERANCE", "dimensions with gauges", "gauges"),
-    *("candidates", "settings", "proven", "met", "not met", "not measurable", "weakest probability"),
+    *("candidates", "settings", "least of those known", "least anywhere", "met", "not met", "not measurable"),
+    "weakest probability",
 )
 
 
@@ -39,7 +40,7 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     gauges = sum(len(d.gauges) for d in inspection.part.dimensions)
     met = by_status["met"]
     weakest = min((d.probability for d in met), default=float("nan"))
-    proof = "yes" if plan.proven else f"at least {plan.lower_bound}"
+    anywhere = "?" if plan.anywhere is None else plan.anywhere.count
     cells = (
         inspection_file.stem.upper().replace("_", "-"),
         inspection.part.length_unit,
@@ -50,7 +51,8 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
         gauges,
         plan.candidate_count,
         plan.count,
-        proof,
+        plan.lower_bound,
+        anywhere,
         len(met),
         len(by_status["unmet"]),
         len(by_status["not_measurable"]),
@@ -58,7 +60,7 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     )
     reasons = [
         f"- {d.id}, {d.nominal_mm:.6g} mm, allowed error {d.allowed_error_mm:.3g} mm: **not met**, best probability "
-        f"{d.probability:.4f}; {d.limit}"
+        f"{d.probability:.4f}; {d.limit}. {d.proof[0].upper()}{d.proof[1:]}"
         for d in by_status["unmet"]
     ]
     reasons += [f"- {d.id}: **not measurable**; {d.limit}" for d in by_status["not_measurable"]]
@@ -81,8 +83,9 @@ def main(folder: Path) -> None:
     print("0.1 px edges, a head good to 0.05 mm and 0.01 deg; 10 % of the tolerance at 95 %.\n")
     print(
         "A callout is one dimension of the semantic PMI; on a pattern it is one dimension per feature. Settings are "
-        "the fewest of the candidates, proven where it says so. Where more callouts have a tolerance than the file has "
-        "PLUS_MINUS_TOLERANCE entities, the others are toleranced by limits, as the notes say.\n"
+        "those of the refined plan, beside the proven least number among all settings known, and over all poses that "
+        "the region allows. Where more callouts have a tolerance than the file has PLUS_MINUS_TOLERANCE entities, the "
+        "others are toleranced by limits, as the notes say.\n"
     )
     print(table_row(COLUMNS))
     print(table_row(["---"] * len(COLUMNS)))

@@ -190,6 +190,11 @@ def test_a_camera_is_specified_with_a_head(inspection):
             assert len(short) < len(DIMENSIONS)
             assert choice.translation_mm == pytest.approx(factor * np.sqrt(asked.head.covariance[:3, :3].max()))
             answered += 1
+        if choice.pixel.factor is not None:
+            step = choice.pixel.value
+            at = met(replace(with_camera, camera=replace(camera, edge_resolution_px=step)), None)
+            short = met(replace(with_camera, camera=replace(camera, edge_resolution_px=step * SHORT)), None)
+            assert len(short) < len(at) == len(DIMENSIONS)
     assert answered
     smallest = specification.smallest
     good = [c for c in specification.best if c.head.factor is not None and c.head.factor >= 1]

@@ -142,15 +142,19 @@ def _print_improvement(document: dict[str, Any]) -> None:
 
 def _print_specification(document: dict[str, Any]) -> None:
     total = document["dimensions"]
-    print("of each sensor the lens with which the head may be worst, and what is met with the head of today:")
+    print(
+        "of each sensor the lens that allows the worst head; and with the head of today what is met, and the coarsest"
+    )
+    print("locator with which all is:")
     rows = [["sensor", "pixel / µm", "lens / mm", "distance / mm", "met", "head / of today"]]
-    rows[0] += ["translation / mm", "rotation / deg"]
+    rows[0] += ["translation / mm", "rotation / deg", "or locator / px"]
     for choice in document["best"]:
         near, far = choice["distance_mm"]
         head = [choice[name] for name in ("head_factor", "translation_mm", "rotation_deg")]
         told = ["none will do", "", ""] if head[0] is None else ["" if v is None else _number(v) for v in head]
         lens = [f"{1000 * choice['pixel_pitch_mm']:g}", f"{choice['focal_length_mm']:g}", f"{near:.0f} - {far:.0f}"]
-        rows.append([choice["sensor"], *lens, f"{choice['met']} of {total}", *told])
+        locator = "none will do" if choice["pixel_px"] is None else _number(choice["pixel_px"])
+        rows.append([choice["sensor"], *lens, f"{choice['met']} of {total}", *told, locator])
     _print_table(rows)
     smallest = document["smallest"]
     if smallest is None:

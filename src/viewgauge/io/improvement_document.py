@@ -87,7 +87,8 @@ def _choice(choice: CameraChoice) -> dict[str, Any]:
         "translation_mm": choice.translation_mm,
         "rotation_deg": choice.rotation_deg,
         "limited_by": list(choice.head.limited_by),
-        "verified": choice.head.verified,
+        "pixel_px": None if choice.pixel is None else choice.pixel.value,
+        "verified": choice.head.verified and (choice.pixel is None or choice.pixel.verified),
     }
 
 

@@ -106,6 +106,9 @@ class CameraChoice:
         not even a head without error will do.
     translation_mm, rotation_deg
         The largest standard deviations with that factor; None where no head will do, or where it has no error today.
+    pixel
+        With the head of today the coarsest step of the edge locator, px, with which the part is met; None where the
+        locator is ideal today.
     """
 
     sensor: Sensor
@@ -115,11 +118,13 @@ class CameraChoice:
     head: Change
     translation_mm: float | None
     rotation_deg: float | None
+    pixel: Change | None
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """More dimensions met, then a head that may be worse: for sorting, the best highest."""
-        return (-1.0 if self.head.factor is None else self.head.factor, self.met)
+        """A head that may be worse, then more dimensions met, then a coarser locator: the best highest."""
+        coarsest = 0.0 if self.pixel is None else self.pixel.factor or 0.0
+        return (-1.0 if self.head.factor is None else self.head.factor, self.met, coarsest)
 
 
 @dataclass(frozen=True)

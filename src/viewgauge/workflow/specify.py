@@ -32,7 +32,9 @@ def specify(
     focal_lengths_mm: Sequence[float] = FOCAL_LENGTHS_MM,
     progress: Progress | None = None,
 ) -> Specification:
-    """For each sensor and lens the worst head with which every dimension is met, by the candidates' settings.
+    """For each sensor and lens the worst head, and the coarsest locator, with which every dimension is met.
+
+    By the candidates' settings.
 
     The edge locator's step in pixels, the head's covariance up to a factor, and the requirement are the inspection's;
     so is the range of distances if it is stated, else it suits each camera. Apertures are not looked at: everything
@@ -89,8 +91,9 @@ def _choice(
     of_camera = evaluator.with_errors(camera, inspection.head)
     met = int(np.count_nonzero(meeting(of_camera, poses).any(axis=0)))
     head = settled_change(of_camera, poses, setup, KNOBS["head"])
-    values = [
+    translation, rotation = (
         None if head.factor is None or not knob.today(setup) else head.factor * knob.today(setup)
         for knob in (KNOBS["translation"], KNOBS["rotation"])
-    ]
-    return CameraChoice(sensor, focal_length_mm, distance, met, head, *values)
+    )
+    pixel = settled_change(of_camera, poses, setup, KNOBS["pixel"]) if camera.edge_resolution_px > 0 else None
+    return CameraChoice(sensor, focal_length_mm, distance, met, head, translation, rotation, pixel)
