@@ -152,7 +152,7 @@ def cells(of: Row) -> tuple[object, ...]:
         *(of.part, f"{of.met} of {of.dimensions}", of.greedy[0], f"{of.greedy[1]:.4f}"),
         *(of.sampled[0], f"{of.sampled[1]:.4f}", f"{of.same_count:.4f}"),
         *(of.refined[0], of.refined[1], of.anywhere, f"{gap:.0%}", f"{of.refined[2]:.4f}"),
-        *(f"± {of.difference:.1e}", f"{of.seconds[0]:.1f} + {of.seconds[1]:.1f}"),
+        *(f"{of.difference:.0e}", f"{of.seconds[0]:.1f} + {of.seconds[1]:.1f}"),
     )
 
 

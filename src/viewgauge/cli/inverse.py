@@ -130,7 +130,7 @@ def _print_improvement(document: dict[str, Any]) -> None:
         print(f"  not measurable  {entry['id']}: {entry['reason']}")
     if document["trade_off"]:
         print("pixels against head, for the part: with this step of the edge locator, at most this head")
-        rows = [["pixel / px", "head / of today", "translation / mm", "rotation / deg"]]
+        rows = [["pixel", "head", "translation", "rotation"], ["px", "of today", "mm", "deg"]]
         for trade in document["trade_off"]:
             head = trade["head_factor"]
             values = [head, trade["translation_mm"], trade["rotation_deg"]]
@@ -146,8 +146,8 @@ def _print_specification(document: dict[str, Any]) -> None:
         "of each sensor the lens that allows the worst head; and with the head of today what is met, and the coarsest"
     )
     print("locator with which all is:")
-    rows = [["sensor", "pixel / µm", "lens / mm", "distance / mm", "met", "head / of today"]]
-    rows[0] += ["translation / mm", "rotation / deg", "or locator / px"]
+    rows = [["sensor", "pixel", "lens", "distance", "met", "head", "translation", "rotation", "or locator"]]
+    rows.append(["", "µm", "mm", "mm", "", "of today", "mm", "deg", "px"])
     for choice in document["best"]:
         near, far = choice["distance_mm"]
         head = [choice[name] for name in ("head_factor", "translation_mm", "rotation_deg")]
