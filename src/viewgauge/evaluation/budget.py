@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import TotalError
 from ..geometry import Camera, PoseError, point_jacobian
+from .looks import Looks
 
-__all__ = ["GROUPS", "SOURCES", "ErrorBudget", "error_budget"]
+__all__ = ["GROUPS", "SOURCES", "ErrorBudget", "averaged_error_budget", "error_budget"]
 
 SOURCES = ("x", "y", "z", "rx", "ry", "rz", "pixel_u", "pixel_v")
 """The six errors of the pose, head frame, and the location error of the two ends along either axis of the image."""
@@ -125,6 +126,55 @@ def error_budget(
         probability_without=np.stack([without((k,)) for k in range(8)], axis=-1),
         group_probability_without={name: without(sources) for name, sources in GROUPS.items()},
         combined_uncertainty_mm=_where(seen, np.sqrt(variance) * on_part),
+    )
+
+
+def averaged_error_budget(points: ArrayLike, camera: Camera, error: PoseError, allowed_error_mm: float) -> ErrorBudget:
+    """The budget of the mean of k looks at one dimension, without leading axes.
+
+    What looks share of the pose error acts by the mean of their gradients, what is drawn anew at each by ``1 / k`` of
+    its own. A source's share counts both; its sensitivity is the one that a single error of its standard uncertainty
+    would need for the same variance, and has no sign.
+
+    Parameters
+    ----------
+    points
+        ``(k, 2, 3)`` mm: both ends of the gauge of each look, in its camera frame.
+
+    Raises
+    ------
+    InputError
+        As :meth:`Looks.of`.
+    """
+    looks = Looks.of(points, camera, error)
+    k = len(looks)
+    mean = looks.gradient.mean(axis=0)
+    terms = np.zeros((8, 8))
+    terms[:6, :6] = np.outer(mean, mean) * looks.common_covariance
+    terms[:6, :6] += np.einsum("np,nq->pq", looks.gradient, looks.gradient) * looks.repeatability_covariance / k**2
+    terms[[6, 7], [6, 7]] = (looks.half_widths_mm**2).sum(axis=0) / 6 / k**2
+    own, variance = terms.diagonal(), float(terms.sum())
+    scale = variance if variance > 0 else 1.0
+    pixels = np.array([camera.edge_resolution_px / np.sqrt(6)] * 2)
+    uncertainty = np.concatenate([np.sqrt(np.maximum(error.covariance.diagonal(), 0.0)), pixels])
+    contribution = np.sqrt(np.maximum(own, 0.0))
+
+    def without(sources: tuple[int, ...]) -> NDArray[np.float64]:
+        kept = np.ones(8)
+        kept[list(sources)] = 0.0
+        gradient, half_widths = looks.gradient * kept[:6], looks.half_widths_mm * kept[6:]
+        left = Looks(gradient, half_widths, looks.common_covariance, looks.repeatability_covariance)
+        return np.asarray(left.mean_of(np.arange(k)).central_probability(allowed_error_mm))
+
+    return ErrorBudget(
+        sensitivity=np.divide(contribution, uncertainty, out=np.zeros(8), where=uncertainty > 0),
+        standard_uncertainty=uncertainty,
+        own_share=own / scale,
+        correlation_share=(terms.sum(axis=1) - own) / scale,
+        probability=without(()),
+        probability_without=np.stack([without((source,)) for source in range(8)]),
+        group_probability_without={name: without(sources) for name, sources in GROUPS.items()},
+        combined_uncertainty_mm=np.asarray(np.sqrt(max(variance, 0.0))),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..evaluation import GaugeFigures, gauge_figures, image_segment, spread_mm
-from ..evaluation.budget import ErrorBudget, error_budget
+from ..evaluation.budget import ErrorBudget, averaged_error_budget, error_budget
 from ..evaluation.capability import SIGMAS
 from ..geometry import invert, transform
 from ..planning import Plan, PlannedDimension
@@ -17,8 +17,8 @@ __all__ = ["error_budgets", "figures_of_gauges"]
 def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
     """What causes the uncertainty of each dimension of a plan, at first order.
 
-    Of a dimension that is not met at the best pose that was tried. Dimensions that are seen from nowhere, cannot be
-    measured, or are averaged from several looks have none.
+    Of a dimension that is not met at the best pose that was tried; of one that is averaged of the mean of its looks.
+    Dimensions that are seen from nowhere, or cannot be measured, have none.
 
     Parameters
     ----------
@@ -28,47 +28,46 @@ def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
     Returns
     -------
     By the dimension's id; each of one segment, so its arrays have the shapes that
-    :class:`~viewgauge.evaluation.ErrorBudget` states without leading axes.
+    :class:`~viewgauge.evaluation.budget.ErrorBudget` states without leading axes.
     """
+    camera, head = inspection.camera, inspection.head
+    poses = {setting.id: setting.T_part_camera for setting in plan.settings}
     found = {}
-    for dimension in _measured(plan):
-        start, end = _seen(dimension)
-        tolerance = dimension.allowed_error_mm / float(np.linalg.norm(end - start))
-        found[dimension.id] = error_budget(start, end, inspection.camera, inspection.head, tolerance)
+    for dimension in plan.dimensions:
+        if dimension.looks:
+            points = np.array([transform(invert(poses[look.setting]), look.gauge) for look in dimension.looks])
+            found[dimension.id] = averaged_error_budget(points, camera, head, dimension.allowed_error_mm)
+        elif dimension.T_part_camera is not None and dimension.gauge is not None:
+            start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
+            tolerance = dimension.allowed_error_mm / float(np.linalg.norm(end - start))
+            found[dimension.id] = error_budget(start, end, camera, head, tolerance)
     return found
 
 
 def figures_of_gauges(inspection: Inspection, plan: Plan) -> dict[str, GaugeFigures]:
     """Expanded uncertainty, %P/T, Cg, Cgk, TUR and risks of the same dimensions, by id."""
-    camera, requirement = inspection.camera, inspection.requirement
-    sigmas = getattr(requirement, "sigmas", SIGMAS)
-    budgets = error_budgets(inspection, plan)
     found = {}
-    for dimension in _measured(plan):
-        start, end = _seen(dimension)
-        image = image_segment(start, end, camera, inspection.head)
-        angle = float(image.angle_rad)
-        pitch = np.asarray(camera.pixel_pitch_mm)
-        px_per_mm = float(np.hypot(*(np.array([np.cos(angle), np.sin(angle)]) / pitch)))
-        half = spread_mm(
-            float(image.sigma_displacement_mm) * px_per_mm,
-            float(image.length_mm) * px_per_mm,
-            angle,
-            float(np.linalg.norm(end - start)),
-            camera,
-            sigmas,
-        )
-        u = float(budgets[dimension.id].combined_uncertainty_mm)
+    of_plan = {dimension.id: dimension for dimension in plan.dimensions}
+    for name, budget in error_budgets(inspection, plan).items():
+        dimension, u = of_plan[name], float(budget.combined_uncertainty_mm)
         if u > 0:
-            found[dimension.id] = gauge_figures(u, dimension.tolerance_mm, requirement, half)
+            half = None if dimension.looks else _spread_mm(inspection, dimension)
+            found[name] = gauge_figures(u, dimension.tolerance_mm, inspection.requirement, half)
     return found
 
 
-def _measured(plan: Plan) -> list[PlannedDimension]:
-    return [d for d in plan.dimensions if d.T_part_camera is not None and d.gauge is not None]
-
-
-def _seen(dimension: PlannedDimension) -> np.ndarray:
-    """``(2, 3)`` mm: the gauge in the frame of the camera that looks at it."""
-    assert dimension.T_part_camera is not None and dimension.gauge is not None  # noqa: PT018  # the caller's condition
-    return transform(invert(dimension.T_part_camera), dimension.gauge)
+def _spread_mm(inspection: Inspection, dimension: PlannedDimension) -> float:
+    """Half the width of the interval that stands for the spread of the errors of one look."""
+    assert dimension.T_part_camera is not None and dimension.gauge is not None  # noqa: PT018  # it has a budget
+    start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
+    image = image_segment(start, end, inspection.camera, inspection.head)
+    angle = float(image.angle_rad)
+    px_per_mm = np.linalg.norm(np.array([np.cos(angle), np.sin(angle)]) / np.asarray(inspection.camera.pixel_pitch_mm))
+    return spread_mm(
+        float(image.sigma_displacement_mm * px_per_mm),
+        float(image.length_mm * px_per_mm),
+        angle,
+        float(np.linalg.norm(end - start)),
+        inspection.camera,
+        getattr(inspection.requirement, "sigmas", SIGMAS),
+    )
