@@ -61,6 +61,21 @@ def test_improve_writes_json_to_a_file_in_a_new_folder(capsys):
     assert document["inputs"].keys() == {"inspection.yaml", "box.stl"}
 
 
+@pytest.mark.parametrize("command", ["improve", "specify"])
+def test_answers_as_a_page(capsys, command):
+    write(candidates="{directions: 12, rolls: 1, distances: 1, targets: 0}")
+    out = asked(capsys, command, "inspection.yaml", "-o", "answers.html", code=0)
+    assert "written to answers.html" in out
+    assert "<h2>Pixels against head</h2>" in Path("answers.html").read_text()
+
+
+@pytest.mark.parametrize("command", ["improve", "specify"])
+def test_an_unknown_kind_of_file_is_refused_before_any_work(capsys, command):
+    err = refused(capsys, command, "inspection.yaml", "-o", "new/answers.txt")
+    assert ".json or .html" in err
+    assert not Path("new").exists()
+
+
 def test_specify_names_cameras_and_heads(capsys):
     write(candidates="{directions: 12, rolls: 1, distances: 1, targets: 0}")
     out = asked(capsys, "specify", "inspection.yaml", "-o", "cameras.json", code=0)

@@ -11,7 +11,7 @@ import pytest
 import viewgauge as vg
 from viewgauge.evaluation import WARNINGS
 from viewgauge.planning.catalogue import Sensor
-from viewgauge.workflow import ExplicitSettings, describe_improvement, describe_specification
+from viewgauge.workflow import ExplicitSettings, describe_answers
 from viewgauge.workflow.chunks import candidate_grid
 
 BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "looks.yaml"
@@ -161,7 +161,7 @@ def test_without_a_dimension_nothing_can_be_asked(inspection):
 
 
 def test_documents_hold_the_answers(improvement, inspection):
-    document = describe_improvement(improvement, inspection)
+    document = describe_answers(improvement, inspection)
     assert document["dimensions"][0]["changes"]["pixel"]["value"] == improvement.dimensions[0].changes["pixel"].value
     assert document["knobs"]["distance"]["today"] == 450
 
@@ -199,5 +199,5 @@ def test_a_camera_is_specified_with_a_head(inspection):
     smallest = specification.smallest
     good = [c for c in specification.best if c.head.factor is not None and c.head.factor >= 1]
     assert smallest == (good[0] if good else None)
-    document = describe_specification(specification, inspection)
+    document = describe_answers(specification, inspection)
     assert len(document["choices"]) == 4

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -36,13 +36,10 @@ def improve(
     file
         The inspection file (YAML).
     output
-        File for the answers as JSON.
+        File for the answers: .json, or .html to look at.
     """
 
-    def asked(workflow: Any, inspection: Any, bars: Bars) -> dict[str, Any]:
-        return dict(workflow.describe_improvement(workflow.improve(inspection, progress=bars), inspection))
-
-    document = _answered(file, part, output, asked)
+    document = _answered(file, part, output, "improve")
     if json:
         print_json(document)
     else:
@@ -69,13 +66,10 @@ def specify(
     file
         The inspection file (YAML).
     output
-        File for the answers as JSON.
+        File for the answers: .json, or .html to look at.
     """
 
-    def asked(workflow: Any, inspection: Any, bars: Bars) -> dict[str, Any]:
-        return dict(workflow.describe_specification(workflow.specify(inspection, progress=bars), inspection))
-
-    document = _answered(file, part, output, asked)
+    document = _answered(file, part, output, "specify")
     if json:
         print_json(document)
     else:
@@ -85,18 +79,22 @@ def specify(
 
 
 def _answered(
-    file: Path, part: Path | None, output: Path | None, asked: Callable[[Any, Any, Bars], dict[str, Any]]
+    file: Path, part: Path | None, output: Path | None, question: Literal["improve", "specify"]
 ) -> dict[str, Any]:
+    """The answers as JSON-ready data, written to a file if there is to be one."""
     from .. import workflow
 
+    if output is not None:
+        workflow.require_answer_suffix(output)
     bars = Bars()
     with workflow.output_folder(output.parent) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
             inspection = workflow.load(file, part=part)
-        document = asked(workflow, inspection, bars)
+        ask = workflow.improve if question == "improve" else workflow.specify
+        answers = ask(inspection, progress=bars)
         if output is not None:
-            workflow.write_document(document, output)
-    return document
+            workflow.write_answers(answers, inspection, output)
+    return workflow.describe_answers(answers, inspection)
 
 
 def _missing(document: dict[str, Any]) -> bool:
@@ -195,9 +193,8 @@ def _number(value: float, *, up: bool = False) -> str:
     if value == 0:
         return "0"
     scale = 10.0 ** (_DIGITS - 1 - math.floor(math.log10(abs(value))))
-    steps = value * scale
-    rounded = math.ceil(steps - 1e-9) if up else math.floor(steps + 1e-9)
-    return f"{rounded / scale:.{_DIGITS}g}"
+    steps = math.ceil(value * scale - 1e-9) if up else math.floor(value * scale + 1e-9)
+    return f"{steps / scale:.{_DIGITS}g}"
 
 
 def _print_table(rows: Sequence[Sequence[str]]) -> None:

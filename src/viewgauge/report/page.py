@@ -22,14 +22,15 @@ from .summary import summary_markup
 from .tables import dimension_table, fact_table, setting_table
 from .wording import element, length, requirement_text
 
-__all__ = ["render_report"]
+__all__ = ["render_report", "resource", "script_data"]
 
 
-def _resource(name: str) -> str:
+def resource(name: str) -> str:
+    """A file that stands beside this one."""
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
-def _script_data(data: Any) -> str:
+def script_data(data: Any) -> str:
     """JSON that cannot end the script element it stands in, whatever strings it holds."""
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
@@ -85,9 +86,9 @@ def render_report(
 
     scene, remark = build_scene(plan, part, camera)
     made_from = {**inputs, "viewgauge": version("viewgauge"), "Seed": str(plan.seed)}
-    return Template(_resource("page.html")).substitute(
+    return Template(resource("page.html")).substitute(
         title=escape(title),
-        style=_resource("page.css"),
+        style=resource("page.css"),
         requirement=escape(requirement_text(requirement)),
         summary=summary_markup(plan),
         notes=_notes(part, remark),
@@ -99,6 +100,6 @@ def render_report(
         camera=fact_table(_camera_facts(camera)),
         inputs=fact_table(made_from),
         plotly=get_plotlyjs(),
-        scene=_script_data(scene),
-        view=_resource("view.js"),
+        scene=script_data(scene),
+        view=resource("view.js"),
     )

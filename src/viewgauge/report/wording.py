@@ -7,7 +7,7 @@ from html import escape
 
 from ..evaluation import CapabilityRequirement, ConformanceRequirement, Requirement
 
-__all__ = ["element", "length", "probability", "requirement_text", "tolerance"]
+__all__ = ["element", "length", "probability", "requirement_text", "rounded", "tolerance"]
 
 DASH = "–"
 PROBABILITY_DIGITS = 4
@@ -49,6 +49,15 @@ def length(value: float) -> str:
         return DASH
     text = f"{value:.4f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text.replace("-", "−")
+
+
+def rounded(value: float, *, up: bool = False) -> str:
+    """Four digits, rounded down (up): a limit that is printed is kept."""
+    if value == 0:
+        return "0"
+    scale = 10.0 ** (PROBABILITY_DIGITS - 1 - math.floor(math.log10(abs(value))))
+    steps = math.ceil(value * scale - 1e-9) if up else math.floor(value * scale + 1e-9)
+    return f"{steps / scale:.{PROBABILITY_DIGITS}g}"
 
 
 def _deviation(value: float) -> str:

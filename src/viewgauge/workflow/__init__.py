@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from .progress import Progress, Silent
     from .specify import specify
     from .write import (
-        describe_improvement,
+        describe_answers,
         describe_plan,
-        describe_specification,
         output_folder,
-        write_document,
+        require_answer_suffix,
+        write_answers,
         write_evaluation,
         write_plan,
     )
@@ -42,11 +42,11 @@ _HOME = {
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
     **dict.fromkeys(
         (
-            "describe_improvement",
+            "describe_answers",
             "describe_plan",
-            "describe_specification",
             "output_folder",
-            "write_document",
+            "require_answer_suffix",
+            "write_answers",
             "write_evaluation",
             "write_plan",
         ),
@@ -63,9 +63,8 @@ __all__ = [
     "Progress",
     "Silent",
     "check",
-    "describe_improvement",
+    "describe_answers",
     "describe_plan",
-    "describe_specification",
     "error_budgets",
     "evaluate",
     "evaluate_into",
@@ -75,10 +74,11 @@ __all__ = [
     "open_executor",
     "output_folder",
     "plan",
+    "require_answer_suffix",
     "require_table_suffix",
     "specify",
     "success_probability",
-    "write_document",
+    "write_answers",
     "write_evaluation",
     "write_plan",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,11 +20,11 @@ if TYPE_CHECKING:  # what takes long to import is imported where it is used
     from .inspection import Inspection
 
 __all__ = [
-    "describe_improvement",
+    "describe_answers",
     "describe_plan",
-    "describe_specification",
     "output_folder",
-    "write_document",
+    "require_answer_suffix",
+    "write_answers",
     "write_evaluation",
     "write_plan",
 ]
@@ -38,28 +39,48 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
     return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
 
 
-def describe_improvement(improvement: Improvement, inspection: Inspection) -> dict[str, Any]:
-    """What to improve, as JSON-ready data."""
-    from ..io.improvement_document import improvement_document
+def describe_answers(answers: Improvement | Specification, inspection: Inspection) -> dict[str, Any]:
+    """What to improve, or cameras for a part, as JSON-ready data."""
+    from ..io.improvement_document import improvement_document, specification_document
+    from ..planning.improvement import Improvement
 
-    return improvement_document(improvement, inspection.requirement, inspection.inputs)
-
-
-def describe_specification(specification: Specification, inspection: Inspection) -> dict[str, Any]:
-    """Cameras for a part, as JSON-ready data."""
-    from ..io.improvement_document import specification_document
-
-    return specification_document(specification, inspection.requirement, inspection.inputs)
+    if isinstance(answers, Improvement):
+        return improvement_document(answers, inspection.requirement, inspection.inputs)
+    return specification_document(answers, inspection.requirement, inspection.inputs)
 
 
-def write_document(document: dict[str, Any], path: str | PathLike[str]) -> None:
-    """Write JSON-ready data to a file, whole or not at all; its folder is there."""
-    import json
+def write_answers(answers: Improvement | Specification, inspection: Inspection, path: str | PathLike[str]) -> None:
+    """Write what to improve, or cameras for a part, as .json or as a page, .html; whole or not at all.
 
+    Raises
+    ------
+    InputError
+        If the file's suffix is another.
+    """
     from ..io.atomic import write_text_atomically
+    from ..planning.improvement import Improvement
+    from ..report import render_improvement, render_specification
 
-    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    write_text_atomically(Path(path), text + "\n")
+    if require_answer_suffix(path) == ".json":
+        document = describe_answers(answers, inspection)
+        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    else:
+        name, inputs = inspection.name, {f"{name} (SHA-256)": digest for name, digest in inspection.inputs.items()}
+        if isinstance(answers, Improvement):
+            text = render_improvement(answers, inspection.requirement, title=name, inputs=inputs)
+        else:
+            text = render_specification(answers, inspection.requirement, title=name, inputs=inputs)
+    write_text_atomically(Path(path), text)
+
+
+def require_answer_suffix(path: str | PathLike[str]) -> str:
+    """The suffix, .json or .html; raises InputError for another."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".json", ".html"):
+        raise InputError(
+            "unknown kind of file for answers", file=Path(path), got=suffix or "no suffix", expected=".json or .html"
+        )
+    return suffix
 
 
 def make_folder(path: str | PathLike[str]) -> Path:
