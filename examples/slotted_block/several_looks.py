@@ -18,7 +18,7 @@ FILE = Path(__file__).parent / "looks.yaml"
 
 def single_plan(inspection: vg.Inspection) -> tuple[vg.Plan, EvaluationJob, list[int]]:
     """The plan without averaging, a job with the dimensions that it leaves, and its settings' indices in that job."""
-    plan = vg.plan(replace(inspection, looks=1))
+    plan = vg.plan(replace(inspection, looks=1), refine=False, prove=False)
     grid = candidate_grid(inspection, inspection.part.dimensions)
     left = {planned.id for planned in plan.dimensions if planned.status == "unmet"}
     job = EvaluationJob.of(inspection, [d for d in inspection.part.dimensions if d.id in left], grid)
