@@ -19,6 +19,7 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
+from .head import characterize
 from .inverse import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
@@ -210,6 +211,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
 
 app.command(improve, name="improve")
 app.command(specify, name="specify")
+app.command(characterize, name="characterize")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,16 +1,21 @@
-"""The file of a 6x6 covariance of the head's pose error."""
+"""The file of a 6x6 covariance of the head's pose error, and how many samples it rests on."""
 
 from __future__ import annotations
 
+import json
 import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, StrictInt
 
 from ..exceptions import InputError, InspectionFileError
+from .atomic import write_text_atomically
 from .inspection_schema import Section
 from .problems import Problems
 from .text import read_text
@@ -18,7 +23,7 @@ from .units import ANGLE, LENGTH, parse_quantity
 from .validation import validate
 from .yaml_tree import parse_yaml
 
-__all__ = ["read_covariance"]
+__all__ = ["CovarianceFile", "read_covariance", "write_covariance"]
 
 _ORDERS = ("translation first", "rotation first")
 _EXPECTED = "six rows of six plain numbers, mm and rad, translation first"
@@ -44,13 +49,27 @@ class CovarianceSection(Section):
     covariance: Any = Field(description=_EXPECTED)
     units: Annotated[tuple[float, float], BeforeValidator(_read_units)] = (1.0, 1.0)
     order: Annotated[str, BeforeValidator(_read_order)] = _ORDERS[0]
+    degrees_of_freedom: Annotated[StrictInt, Field(ge=3)] | None = Field(
+        default=None, description="a whole number from 3 on"
+    )
+    mean: Any = None  # what was found beside the covariance: for the reader, of no effect
+    made_from: Any = None
 
 
-def read_covariance(path: Path) -> NDArray[np.float64]:
-    """Covariance ``(6, 6)`` of [x, y, z, rx, ry, rz], mm and rad, as the file states it.
+@dataclass(frozen=True)
+class CovarianceFile:
+    """Covariance ``(6, 6)``, mm and rad, translation first, and its degrees of freedom; None where it is known."""
+
+    covariance: NDArray[np.float64]
+    degrees_of_freedom: int | None = None
+
+
+def read_covariance(path: Path) -> CovarianceFile:
+    """Covariance of [x, y, z, rx, ry, rz], as the file states it.
 
     The file is YAML: six rows of six numbers, or a mapping with those under ``covariance`` and optional ``units``
-    (``[mm, rad]``) and ``order`` (``translation first``, or ``rotation first``, which is converted here).
+    (``[mm, rad]``), ``order`` (``translation first``, or ``rotation first``, which is converted here), and
+    ``degrees_of_freedom`` where it was estimated from samples.
 
     Raises
     ------
@@ -71,7 +90,35 @@ def read_covariance(path: Path) -> NDArray[np.float64]:
         problems.raise_if_any()
     matrix = _matrix(rows, where, problems)
     problems.raise_if_any()
-    return _convert(matrix, section) if section else matrix
+    if section is None:
+        return CovarianceFile(matrix)
+    return CovarianceFile(_convert(matrix, section), section.degrees_of_freedom)
+
+
+def write_covariance(
+    path: str | os.PathLike[str],
+    covariance: NDArray[np.float64],
+    degrees_of_freedom: int,
+    mean: NDArray[np.float64],
+    made_from: Mapping[str, str],
+) -> None:
+    """Write a covariance ``(6, 6)`` with the mean that was found beside it ``(6,)``, mm and rad; every digit is kept.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    lines = [
+        "# pose error of a head: [x, y, z, rx, ry, rz], in the head frame, perturbation on the left",
+        "covariance:",
+    ]
+    lines += [f"  - [{', '.join(repr(float(value)) for value in row)}]" for row in covariance]
+    lines += ["units: [mm, rad]", "order: translation first", f"degrees_of_freedom: {degrees_of_freedom}"]
+    lines += ["# the systematic part, which calibration should take away; of no effect here"]
+    lines += [f"mean: [{', '.join(repr(float(value)) for value in mean)}]", "made_from:"]
+    lines += [f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in made_from.items()]
+    write_text_atomically(Path(path), "\n".join(lines) + "\n")
 
 
 def _matrix(rows: object, where: tuple[str, ...], problems: Problems) -> NDArray[np.float64]:

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from ..evaluation.requirement import Requirement
 from ..exceptions import InspectionFileError
 from ..geometry import Camera, PoseError
+from ..measurement.head_character import small_sample_factor
 from ..part.dimension import Observed
 from ..planning.options import CandidateOptions
 from ..visibility.limits import ObservationLimits
-from .covariance_file import read_covariance
+from .covariance_file import CovarianceFile, read_covariance
 from .inspection_schema import (
     CameraSection,
     CandidatesSection,
@@ -140,7 +141,8 @@ class _Reader:
         top = validate(InspectionSections, self.sections, (), self.problems)
         part = validate(PartSection, self._section("part"), ("part",), self.problems)
         dimensions = self._dimensions()
-        camera, head, requirement = self._camera(), self._head(), self._requirement()
+        camera, requirement = self._camera(), self._requirement()
+        head = self._head(None if requirement is None else requirement.probability)
         candidates = validate(CandidatesSection, self._section("candidates"), ("candidates",), self.problems)
         options = self._options(candidates)
         limits, looks = self._limits(), self._looks()
@@ -236,7 +238,8 @@ class _Reader:
             )
         return tuple(entries.values())
 
-    def _head(self) -> PoseError | None:
+    def _head(self, probability: float | None) -> PoseError | None:
+        """The pose error; a covariance from few samples is made as large as the required probability asks for."""
         if "head" not in self.sections:
             return None
         where = ("head",)
@@ -245,28 +248,34 @@ class _Reader:
         if isinstance(value := self._below("head", "pivot"), dict):
             pose_section = validate(PoseSection, value, (*where, "pivot"), self.problems)
             pose = build(pose_section.build, (*where, "pivot"), self.problems) if pose_section else None
-        covariance, common, head = self._error(section, where), None, self.sections["head"]
+        covariance, common, head = self._error(section, where, probability), None, self.sections["head"]
         if isinstance(head, dict) and "common" in head:
             common_section = validate(ErrorSection, head["common"], (*where, "common"), self.problems)
-            common = self._error(common_section, (*where, "common"))
+            common = self._error(common_section, (*where, "common"), probability)
             if common is None:
                 return None
         if section is None or covariance is None or (pose is None and section.pivot is None):
             return None
         return build(section.build, where, self.problems, covariance, pose, common)
 
-    def _error(self, section: ErrorSection | None, where: KeyPath) -> NDArray[np.float64] | None:
+    def _error(
+        self, section: ErrorSection | None, where: KeyPath, probability: float | None
+    ) -> NDArray[np.float64] | None:
         """The covariance ``(6, 6)`` of a pose error's section; None, and the reason in the problems."""
         if section is None:
             return None
         if section.covariance is None:
             return section.from_deviations()
         where = (*where, "covariance")
-        covariance = self._covariance(self.path.parent / section.covariance, where)
-        checked = None if covariance is None else build(PoseError, where, self.problems, covariance)
-        return None if checked is None else checked.covariance
+        file = self._covariance(self.path.parent / section.covariance, where)
+        checked = None if file is None else build(PoseError, where, self.problems, file.covariance)
+        if file is None or checked is None:
+            return None
+        if file.degrees_of_freedom is None or probability is None:
+            return checked.covariance
+        return np.asarray(checked.covariance * small_sample_factor(file.degrees_of_freedom, probability) ** 2)
 
-    def _covariance(self, path: Path, where: KeyPath) -> NDArray[np.float64] | None:
+    def _covariance(self, path: Path, where: KeyPath) -> CovarianceFile | None:
         try:
             return read_covariance(path)
         except InspectionFileError as error:

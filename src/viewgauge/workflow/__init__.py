@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..io.table_store import require_table_suffix
     from .budget import error_budgets, figures_of_gauges
+    from .characterize import Characterization, characterize, describe_characterization, write_head
     from .check import check
     from .evaluate import Evaluation, Method, evaluate, evaluate_into, success_probability
     from .execution import open_executor
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     **dict.fromkeys(("error_budgets", "figures_of_gauges"), ".budget"),
+    **dict.fromkeys(("Characterization", "characterize", "describe_characterization", "write_head"), ".characterize"),
     "check": ".check",
     **dict.fromkeys(("Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"), ".evaluate"),
     **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
@@ -56,14 +58,17 @@ _HOME = {
 }
 
 __all__ = [
+    "Characterization",
     "Evaluation",
     "ExplicitSettings",
     "Inspection",
     "Method",
     "Progress",
     "Silent",
+    "characterize",
     "check",
     "describe_answers",
+    "describe_characterization",
     "describe_plan",
     "error_budgets",
     "evaluate",
@@ -80,6 +85,7 @@ __all__ = [
     "success_probability",
     "write_answers",
     "write_evaluation",
+    "write_head",
     "write_plan",
 ]
 

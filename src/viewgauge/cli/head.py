@@ -1,0 +1,72 @@
+"""The command that says how well a head holds its pose, from measurements of it."""
+
+from __future__ import annotations
+
+import math
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from .options import DONE, Json
+from .output import print_json
+
+__all__ = ["characterize"]
+
+
+def characterize(
+    samples: Path,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    with_mean: Annotated[bool, Parameter(negative="")] = False,
+    json: Json = False,
+) -> int:
+    """Say how well a head holds its pose, and write the covariance file that a plan reads.
+
+    Parameters
+    ----------
+    samples
+        CSV of poses commanded and measured, of repeated visits, or of errors; or YAML of joints and measured poses.
+    output
+        The covariance file (YAML), for head.covariance of an inspection file.
+    with_mean
+        The systematic part is not calibrated away: count it with the rest.
+    """
+    from .. import workflow
+
+    character = workflow.characterize(samples)
+    document = workflow.describe_characterization(character)
+    if output is not None:
+        with workflow.output_folder(output.parent) if str(output.parent) != "." else nullcontext():
+            workflow.write_head(character, output, with_mean=with_mean)
+    if json:
+        print_json(document)
+    else:
+        _print_character(document)
+        if output is not None:
+            print(f"written to {output}")
+    return DONE
+
+
+def _print_character(document: dict[str, Any]) -> None:
+    print(f"{document['samples']} samples ({document['kind']}), {document['degrees_of_freedom']} degrees of freedom")
+    print("  axis  standard deviation, 95 % interval     mean, 95 % interval            normal?")
+    for axis in document["axes"]:
+        angle = axis["axis"].startswith("r")
+        scale, unit = (180e3 / math.pi, "mdeg") if angle else (1e3, "um")
+        spread = [scale * v for v in (axis["standard_deviation"], *axis["standard_deviation_interval"])]
+        mean = [scale * v for v in (axis["mean"], *axis["mean_interval"])]
+        verdict = f"p = {axis['normality_p']:.2g}" + (" no" if axis["normality_p"] < 0.05 else "")
+        deviation = f"{spread[0]:8.4g} {unit:4} [{spread[1]:.4g}, {spread[2]:.4g}]"
+        centre = f"{mean[0]:8.3g} [{mean[1]:.3g}, {mean[2]:.3g}]"
+        print(f"  {axis['axis']:4}  {deviation:36}  {centre:29}  {verdict}")
+    together = {name: document[f"{name}_p"] for name in ("skewness", "kurtosis")}
+    if all(value is not None for value in together.values()):
+        said = ", ".join(f"{name} p = {value:.2g}" for name, value in together.items())
+        print(f"  all six together (Mardia): {said}")
+    if document["outliers"]:
+        print(f"  far from the others: {', '.join(document['outliers'])}; they are part of the figures")
+    factor = document["factor_at_95"]
+    print(f"  few samples: a plan at 0.95 counts standard deviations {factor:.3f} times as large")

@@ -1,0 +1,15 @@
+"""What measurements say: of the head that carries the camera."""
+
+from .head_character import HeadCharacter, characterize_head, small_sample_factor
+from .pose_samples import PoseSamples, errors_about_group_means, errors_of_poses
+from .serial_arm import fit_serial_arm
+
+__all__ = [
+    "HeadCharacter",
+    "PoseSamples",
+    "characterize_head",
+    "errors_about_group_means",
+    "errors_of_poses",
+    "fit_serial_arm",
+    "small_sample_factor",
+]
