@@ -114,7 +114,7 @@ GOOD = f"{POSE},{MEASURED}\n0,0,0,1,0,0,0,0,0,0,1,0,0,0\n"
         ("samples.txt", GOOD, "unknown kind of file"),
         ("log.yaml", "", "no samples"),
         ("log.yaml", "a: 1", ":1:a.pose: not a pose"),
-        ("log.yaml", "a:\n  pose: {x: 0, y: 0, z: 0, qw: 1, qx: 0, qy: 0, qz: 0}\n", "a.target_joints: no joint values"),
+        ("log.yaml", "a: {pose: {x: 0, y: 0, z: 0, qw: 1, qx: 0, qy: 0, qz: 0}}\n", "target_joints: no joint"),
         ("log.yaml", "a: [", "not valid YAML"),
         ("log.yaml", yaml_of([[0.0], [0.1, 0.2]], np.tile(np.eye(4), (2, 1, 1))), "not as many joints"),
         ("log.yaml", yaml_of([[0.0], [0.1]], np.tile(np.eye(4), (2, 1, 1))), "too few poses"),
