@@ -11,6 +11,7 @@ from cyclopts import Parameter
 
 from .options import DONE, Json
 from .output import print_json
+from .progress import Bars
 
 __all__ = ["characterize"]
 
@@ -28,7 +29,8 @@ def characterize(
     Parameters
     ----------
     samples
-        CSV of poses commanded and measured, of repeated visits, or of errors; or YAML of joints and measured poses.
+        CSV of poses commanded and measured, of repeated visits, or of errors; YAML of joints and measured poses, or of
+        images of a ChArUco board and robot poses.
     output
         The covariance file (YAML), for head.covariance of an inspection file.
     with_mean
@@ -36,7 +38,7 @@ def characterize(
     """
     from .. import workflow
 
-    character = workflow.characterize(samples)
+    character = workflow.characterize(samples, progress=Bars())
     document = workflow.describe_characterization(character)
     if output is not None:
         with workflow.output_folder(output.parent) if str(output.parent) != "." else nullcontext():
@@ -68,5 +70,18 @@ def _print_character(document: dict[str, Any]) -> None:
         print(f"  all six together (Mardia): {said}")
     if document["outliers"]:
         print(f"  far from the others: {', '.join(document['outliers'])}; they are part of the figures")
+    if document["board"]:
+        _print_board(document["board"])
     factor = document["factor_at_95"]
     print(f"  few samples: a plan at 0.95 counts standard deviations {factor:.3f} times as large")
+
+
+def _print_board(board: dict[str, Any]) -> None:
+    (fx, _, cx), (_, fy, cy), _ = board["camera_matrix_px"]
+    print(f"  camera: fx {fx:.1f}, fy {fy:.1f}, cx {cx:.1f}, cy {cy:.1f} px; corners left {board['rms_px']:.2f} px rms")
+    if board["pivot"]:
+        position = ", ".join(f"{value:.3f}" for value in board["pivot"]["position_mm"])
+        quaternion = ", ".join(f"{value:.6f}" for value in board["pivot"]["quaternion"])
+        print(f"  head.pivot: {{position: [{position}] mm, quaternion: [{quaternion}]}}")
+    for told in board["left_out"]:
+        print(f"  left out  {told}")

@@ -18,6 +18,7 @@ __all__ = ["CONFIDENCE", "HeadCharacter", "characterize_head", "small_sample_fac
 CONFIDENCE = 0.95
 """Of the intervals."""
 
+_EM_STEPS, _EM_CHANGE = 5000, 1e-7
 _OUTLIERS = 0.01  # probability that any of the samples of a normal law is named an outlier
 
 
@@ -28,7 +29,7 @@ class HeadCharacter:
     Parameters
     ----------
     covariance
-        ``(6, 6)``: about the mean.
+        ``(6, 6)``: about the mean; of the head alone, where the noise of measuring it is known.
     mean
         ``(6,)``: the systematic part, which a calibration can take away; zero for repeated visits.
     degrees_of_freedom
@@ -53,6 +54,8 @@ class HeadCharacter:
     skewness_p: float
     kurtosis_p: float
     outliers: tuple[str, ...]
+    noise_share: NDArray[np.float64] | None = None
+    """``(6,)``: of the variance of the samples the part that measuring them added; None where it is not known."""
 
     @property
     def deviation(self) -> NDArray[np.float64]:
@@ -92,7 +95,11 @@ def characterize_head(samples: PoseSamples, groups: int = 0) -> HeadCharacter:
         )
     mean = np.zeros(6) if samples.repeated else errors.mean(axis=0)
     about = errors - mean
-    covariance = about.T @ about / freedom
+    covariance, share = about.T @ about / freedom, None
+    if samples.noise is not None:
+        seen = covariance.diagonal()
+        covariance = _without_noise(about, samples.noise, freedom)
+        share = np.clip(1 - covariance.diagonal() / np.where(seen > 0, seen, 1.0), 0.0, 1.0)
     deviation = np.sqrt(covariance.diagonal())
     tail = (1 - CONFIDENCE) / 2
     bounds = np.sqrt(freedom / chi2.ppf([1 - tail, tail], freedom))
@@ -108,6 +115,7 @@ def characterize_head(samples: PoseSamples, groups: int = 0) -> HeadCharacter:
         skewness_p=skewness,
         kurtosis_p=kurtosis,
         outliers=tuple(samples.names[k] for k in _outliers(about)),
+        noise_share=share,
     )
 
 
@@ -123,6 +131,28 @@ def small_sample_factor(degrees_of_freedom: int, probability: float) -> float:
 
     tail = (1 + probability) / 2
     return float(t.ppf(tail, degrees_of_freedom) / norm.ppf(tail))
+
+
+def _without_noise(about: NDArray[np.float64], noise: NDArray[np.float64], freedom: int) -> NDArray[np.float64]:
+    """``(6, 6)``: covariance of the greatest likelihood for errors about their mean that noise was added to.
+
+    Each is normal with covariance ``Sigma + C_i``. Expectation and maximization (Dempster, Laird and Rubin 1977), with
+    the degrees of freedom in place of the number of samples.
+    """
+    unit = np.sqrt(np.maximum((about**2).mean(axis=0), np.finfo(float).tiny))  # mm and rad alike
+    errors, added = about / unit, noise / np.outer(unit, unit)
+    sigma = errors.T @ errors / freedom
+    for _ in range(_EM_STEPS):
+        gain = np.linalg.solve(sigma + added, np.broadcast_to(sigma, added.shape)).swapaxes(1, 2)  # S (S + C)^-1
+        expected = np.einsum("nij,nj->ni", gain, errors)
+        spread = sigma - gain @ sigma
+        found = (expected.T @ expected + spread.sum(axis=0) * freedom / len(errors)) / freedom
+        found = (found + found.T) / 2
+        done = np.abs(found - sigma).max() < _EM_CHANGE
+        sigma = found
+        if done:
+            break
+    return np.asarray(sigma * np.outer(unit, unit))
 
 
 def _mardia(about: NDArray[np.float64]) -> tuple[float, float]:

@@ -31,12 +31,16 @@ class PoseSamples:
         How many of the ``6 n`` numbers a model was fitted with, which the errors are residuals of.
     repeated
         The errors are about the means of groups: they have no mean of their own.
+    noise
+        ``(n, 6, 6)``: covariance of what measuring the pose added to each error, same units and frame; None where that
+        counts for nothing.
     """
 
     errors: NDArray[np.float64]
     names: tuple[str, ...]
     parameters: int = 0
     repeated: bool = False
+    noise: NDArray[np.float64] | None = None
 
 
 def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,11 +10,16 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry import invert, quaternion_from_pose
+from ..io.board_views_file import is_board_file, read_board_views
 from ..io.covariance_file import write_covariance
-from ..io.pose_samples_file import read_pose_samples
-from ..measurement import HeadCharacter, characterize_head, small_sample_factor
+from ..io.pose_samples_file import SampleFile, read_pose_samples
+from ..measurement import HeadCharacter, PoseSamples, characterize_head, small_sample_factor
+from ..measurement.board import Intrinsics
+from ..measurement.robot_calibration import RobotCalibration
+from .progress import Progress, Silent
 
-__all__ = ["Characterization", "characterize", "describe_characterization", "write_head"]
+__all__ = ["BoardCalibration", "Characterization", "characterize", "describe_characterization", "write_head"]
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -33,27 +38,69 @@ class Characterization:
     samples: int
     kind: str
     inputs: dict[str, str]
+    board: BoardCalibration | None = None
 
 
-def characterize(samples: str | PathLike[str]) -> Characterization:
+@dataclass(frozen=True)
+class BoardCalibration:
+    """What images of a board gave beside the pose errors, by all views together.
+
+    Parameters
+    ----------
+    camera
+        Its intrinsics.
+    robot
+        X and Y: with the camera in hand its pose on the flange, and the board's in the base frame.
+    camera_in_hand
+        Else the robot carries the board.
+    left_out
+        Views that were not used, with the reason.
+    """
+
+    camera: Intrinsics
+    robot: RobotCalibration
+    camera_in_hand: bool
+    left_out: tuple[str, ...]
+
+
+def characterize(samples: str | PathLike[str], *, progress: Progress | None = None) -> Characterization:
     """Covariance, mean, confidence and normality of a head's pose error.
+
+    Of images of a board the error of each view is that of a calibration of camera and robot which has not seen it.
 
     Parameters
     ----------
     samples
         File of samples (:mod:`~viewgauge.io.pose_samples_file`): poses commanded and measured, repeated visits, errors,
-        or joints and measured poses.
+        or joints and measured poses; or of images of a board and robot poses
+        (:mod:`~viewgauge.io.board_views_file`).
 
     Raises
     ------
     InputError
         If the file cannot be used, or has too few samples.
     """
-    file = read_pose_samples(samples)
-    path = Path(samples)
+    path, board = Path(samples), None
+    if is_board_file(path):
+        with (progress or Silent()).stage("Finding the board in the images, and calibrating without each"):
+            file, board = _from_board(path)
+    else:
+        file = read_pose_samples(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     head = characterize_head(file.samples, file.groups)
-    return Characterization(head, len(file.samples.errors), file.kind, {path.name: digest})
+    return Characterization(head, len(file.samples.errors), file.kind, {path.name: digest}, board)
+
+
+def _from_board(path: Path) -> tuple[SampleFile, BoardCalibration]:
+    found = read_board_views(path)
+    views, start = found.views, found.intrinsics
+    every = list(range(len(views.names)))
+    camera, robot = views.calibrated(every, start=start)
+    errors = views.held_out([[k] for k in every], start=start)
+    in_hand = views.in_hand == "camera"
+    kind = f"views of a board, the {views.in_hand} in the robot's hand, each by a calibration without it"
+    samples = PoseSamples(errors, views.names, parameters=12, noise=views.noise(camera, robot))
+    return SampleFile(samples, kind), BoardCalibration(camera, robot, in_hand, found.left_out)
 
 
 def write_head(character: Characterization, path: str | PathLike[str], *, with_mean: bool = False) -> None:
@@ -87,6 +134,7 @@ def describe_characterization(character: Characterization) -> dict[str, Any]:
                 "mean": float(head.mean[k]),
                 "mean_interval": head.mean_interval[k].tolist(),
                 "normality_p": float(head.normality[k]),
+                "noise_share": None if head.noise_share is None else float(head.noise_share[k]),
             }
             for k, axis in enumerate(_AXES)
         ],
@@ -95,6 +143,29 @@ def describe_characterization(character: Characterization) -> dict[str, Any]:
         "kurtosis_p": None if np.isnan(head.kurtosis_p) else head.kurtosis_p,
         "outliers": list(head.outliers),
         "factor_at_95": small_sample_factor(head.degrees_of_freedom, 0.95),
+        "board": None if character.board is None else _board_document(character.board),
+    }
+
+
+def _board_document(board: BoardCalibration) -> dict[str, Any]:
+    """With the camera in hand the flange in the camera frame is the pivot that the covariance belongs to."""
+    return {
+        "camera_matrix_px": board.camera.matrix.tolist(),
+        "distortion": board.camera.distortion.tolist(),
+        "rms_px": board.camera.rms_px,
+        "in_hand": "camera" if board.camera_in_hand else "board",
+        "X": board.robot.X.tolist(),
+        "Y": board.robot.Y.tolist(),
+        "pivot": _pivot(board) if board.camera_in_hand else None,
+        "left_out": list(board.left_out),
+    }
+
+
+def _pivot(board: BoardCalibration) -> dict[str, list[float]]:
+    T_camera_flange = invert(board.robot.X)
+    return {
+        "position_mm": T_camera_flange[:3, 3].tolist(),
+        "quaternion": quaternion_from_pose(T_camera_flange).tolist(),
     }
 
 
