@@ -30,6 +30,7 @@ PUBLIC = [
     "load",
     "open_executor",
     "plan",
+    "simulate",
     "specify",
     "success_probability",
     "write_evaluation",

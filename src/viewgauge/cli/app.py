@@ -20,6 +20,7 @@ from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
 from .head import characterize
+from .images import simulate
 from .inverse import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
@@ -212,6 +213,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
 app.command(improve, name="improve")
 app.command(specify, name="specify")
 app.command(characterize, name="characterize")
+app.command(simulate, name="simulate")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter, Token
 
-__all__ = ["DONE", "NOT_MET", "Chunk", "Json", "PartFile", "Scheduler", "Workers", "whole_number"]
+__all__ = ["DONE", "NOT_MET", "Chunk", "Json", "PartFile", "Scheduler", "Workers", "count", "whole_number"]
 
 DONE, NOT_MET = 0, 1
 """Exit codes."""
@@ -22,7 +22,7 @@ def whole_number(_: object, tokens: Sequence[Token]) -> int:
         raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
 
 
-def _count(kind: object, tokens: Sequence[Token]) -> int:
+def count(kind: object, tokens: Sequence[Token]) -> int:
     """A whole number from 1 on, refused before anything is read."""
     number = whole_number(kind, tokens)
     if number < 1:
@@ -35,8 +35,8 @@ Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the res
 Scheduler = Annotated[str | None, Parameter(name="--scheduler", help="Run on the Dask scheduler at this address.")]
 Workers = Annotated[
     int | None,
-    Parameter(name="--workers", converter=_count, help="Run on this many processes (Dask) of this machine."),
+    Parameter(name="--workers", converter=count, help="Run on this many processes (Dask) of this machine."),
 ]
 Chunk = Annotated[
-    int, Parameter(name="--chunk", converter=_count, help="Settings evaluated at once; bounds the memory.")
+    int, Parameter(name="--chunk", converter=count, help="Settings evaluated at once; bounds the memory.")
 ]

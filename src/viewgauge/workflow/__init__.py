@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..io.table_store import require_table_suffix
+    from ..simulation.sensor import Sensor
     from .budget import error_budgets, figures_of_gauges
     from .characterize import Characterization, characterize, describe_characterization, write_head
     from .check import check
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from .load import load
     from .plan import plan
     from .progress import Progress, Silent
+    from .simulate import simulate
     from .specify import specify
     from .write import (
         describe_answers,
@@ -40,6 +42,7 @@ _HOME = {
     "load": ".load",
     "open_executor": ".execution",
     "plan": ".plan",
+    "simulate": ".simulate",
     "specify": ".specify",
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
     **dict.fromkeys(
@@ -55,6 +58,7 @@ _HOME = {
         ".write",
     ),
     "require_table_suffix": "..io.table_store",
+    "Sensor": "..simulation.sensor",
 }
 
 __all__ = [
@@ -64,6 +68,7 @@ __all__ = [
     "Inspection",
     "Method",
     "Progress",
+    "Sensor",
     "Silent",
     "characterize",
     "check",
@@ -81,6 +86,7 @@ __all__ = [
     "plan",
     "require_answer_suffix",
     "require_table_suffix",
+    "simulate",
     "specify",
     "success_probability",
     "write_answers",

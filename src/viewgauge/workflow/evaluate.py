@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 
     from ..io.table_store import TableStore
 
-__all__ = ["Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"]
+__all__ = ["Evaluation", "Method", "SettingsLike", "evaluate", "evaluate_into", "settings_of", "success_probability"]
 
 Method = Literal["joint", "independent", "monte-carlo"]
-_Settings = ExplicitSettings | str | PathLike[str] | ArrayLike | None
+SettingsLike = ExplicitSettings | str | PathLike[str] | ArrayLike | None
 
 _SIMULATED_PER_CHUNK = 32  # settings between two signs of progress
 _OPTIONAL = ("validity", "probability_low", "probability_high")  # in files after the standard columns
@@ -55,7 +55,7 @@ _FLAGS = ("visible", "accepted")
 
 def evaluate(
     inspection: Inspection,
-    settings: _Settings = None,
+    settings: SettingsLike = None,
     *,
     method: Method = "joint",
     precision: float = DEFAULT_PRECISION,
@@ -82,7 +82,7 @@ def evaluate(
     with "monte-carlo" also the confidence interval ``probability_low, probability_high``.
     """
     progress = progress or Silent()
-    chosen = _settings(inspection, settings)
+    chosen = settings_of(inspection, settings)
     dimensions, job = _job(inspection, chosen, method, precision, None)
     pieces: list[Mapping[str, NDArray[np.generic]]] = []
     with progress.stage(_stage(len(chosen), method, precision), len(chosen)) as advance:
@@ -138,7 +138,7 @@ class Evaluation:
 def evaluate_into(
     inspection: Inspection,
     path: str | PathLike[str] | None,
-    settings: _Settings = None,
+    settings: SettingsLike = None,
     *,
     sampled: bool = False,
     columns: Sequence[str] | None = None,
@@ -180,7 +180,7 @@ def evaluate_into(
             raise InputError("sampled candidates and given settings exclude each other", key="settings")
         source, ids = _sampled(inspection)
     else:
-        source = chosen = _settings(inspection, settings)
+        source = chosen = settings_of(inspection, settings)
         ids = chosen.ids
     wanted = _wanted(columns, method)
     threads = None if isinstance(executor, InProcess) else 1
@@ -309,7 +309,8 @@ def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
     return job if writer is None else replace(job, writer=writer())
 
 
-def _settings(inspection: Inspection, settings: _Settings) -> ExplicitSettings:
+def settings_of(inspection: Inspection, settings: SettingsLike) -> ExplicitSettings:
+    """Settings as they may be given: a file, poses, or those that the inspection names; raises InputError."""
     if settings is None:
         if inspection.settings is None:
             raise InputError(

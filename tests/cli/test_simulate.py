@@ -1,0 +1,108 @@
+"""simulate as a user meets it: images, the truth beside them, going on, bad input."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from box_inspection import SECTIONS, refused, write
+
+from viewgauge.cli import main
+
+cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
+pytestmark = pytest.mark.usefixtures("small")
+
+SETTINGS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\nbeside,40,-20,330,0,1,0,0\n"
+SMALL = SECTIONS["camera"].replace("[2448, 2048]", "[480, 360]").replace("3.45 um", "17 um")
+
+
+@pytest.fixture
+def small(folder):
+    """A camera of few pixels, and two settings."""
+    write(camera=SMALL)
+    Path("s.csv").write_text(SETTINGS)
+    return folder
+
+
+def simulated(capsys, *options, code=0):
+    assert main(["simulate", "inspection.yaml", "--settings", "s.csv", "-o", "images", *options]) == code
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def grey(name):
+    return cv2.imread(str(Path("images", name)), cv2.IMREAD_UNCHANGED)
+
+
+def test_images_and_the_truth_beside_them(capsys):
+    assert "4 images written to images" in simulated(capsys, "--looks", "2")
+    with Path("images/looks.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [r["image"] for r in rows] == [f"{s}_{k:04d}.png" for s in ("above", "beside") for k in (1, 2)]
+    assert grey("above_0001.png").shape == (360, 480)
+    assert grey("above_0001.png").dtype == np.uint8
+    assert (grey("above_0001.png") != grey("above_0002.png")).any()
+    position = np.array([[float(r[axis]) for axis in "xyz"] for r in rows])
+    assert 0 < np.abs(position[:2] - [40, 0, 350]).max() < 1, "displaced by tenths of a millimetre"
+    about = json.loads(Path("images/simulation.json").read_text())
+    assert about["looks"] == 2
+    assert about["sensor"]["bits"] == 8
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not(capsys):
+    simulated(capsys)
+    before = {p.name: p.read_bytes() for p in Path("images").iterdir()}
+    Path("images").rename("first")
+    simulated(capsys)
+    assert {p.name: p.read_bytes() for p in Path("images").iterdir()} == before
+    Path("images").rename("second")
+    simulated(capsys, "--seed", "5")
+    assert Path("images/above_0001.png").read_bytes() != before["above_0001.png"]
+
+
+def test_what_was_stopped_goes_on_and_another_simulation_is_refused(capsys):
+    simulated(capsys)
+    kept, gone = Path("images/above_0001.png"), Path("images/beside_0001.png")
+    told, stamp = gone.read_bytes(), kept.stat().st_mtime_ns
+    gone.unlink()
+    simulated(capsys)
+    assert gone.read_bytes() == told
+    assert kept.stat().st_mtime_ns == stamp
+    err = refused(capsys, "simulate", "inspection.yaml", "--settings", "s.csv", "-o", "images", "--noise", "0.1")
+    assert "images of another simulation" in err
+
+
+def test_twelve_bits_and_black_and_white(capsys):
+    simulated(capsys, "--bits", "12", "--noise", "0", "--blur", "0")
+    image = grey("above_0001.png")
+    assert image.dtype == np.uint16
+    assert 255 < image.max() <= 4095
+    Path("images").rename("twelve")
+    simulated(capsys, "--black-and-white")
+    assert set(np.unique(grey("above_0001.png"))) == {0, 255}
+
+
+@pytest.mark.parametrize(
+    ("options", "telling"),
+    [
+        (["--looks", "0"], "from 1 on"),
+        (["--bits", "10"], "8 or 12"),
+        (["--blur", "-1"], "not negative"),
+        (["--noise", "nan"], "finite"),
+        (["--rays", "30"], "no lattice"),
+        (["--seed", "-1"], "seed"),
+        (["--settings", "none.csv"], "does not exist"),
+    ],
+)
+def test_bad_numbers(capsys, options, telling):
+    given = ["--settings", "s.csv"] if "--settings" not in options else []
+    assert telling in refused(capsys, "simulate", "inspection.yaml", *given, "-o", "images", *options)
+    assert not Path("images").exists()
+
+
+def test_without_settings_it_says_where_to_give_them(capsys):
+    assert "settings file" in refused(capsys, "simulate", "inspection.yaml", "-o", "images")
