@@ -20,6 +20,10 @@ GROUPS = {"translation": (0, 1, 2), "rotation": (3, 4, 5), "pose": (0, 1, 2, 3, 
 """Sources that are mended together, by index."""
 
 
+_END_ON_MM = 1e-100
+"""Image length up to which a segment counts as seen end-on: no sensor has it, and division by more cannot overflow."""
+
+
 @dataclass(frozen=True)
 class ErrorBudget:
     """Variance shares of a length measured from one setting, at first order; leading axes ``(...)`` of the segments.
@@ -89,7 +93,7 @@ def error_budget(
     points = np.where(in_front[..., None, None], points, [0.0, 0.0, 1.0])
     delta = np.diff(camera.project(points), axis=-2)[..., 0, :]
     image_length = np.hypot(delta[..., 0], delta[..., 1])
-    seen = in_front & (image_length > 0)
+    seen = in_front & (image_length > _END_ON_MM)
     length = np.where(seen, image_length, 1.0)
     direction = np.where(seen[..., None], delta, [1.0, 0.0]) / length[..., None]
     J_camera = point_jacobian(points, camera.focal_length_mm)

@@ -23,7 +23,7 @@ def opencv() -> Any:
         import cv2
     except ImportError as error:
         raise InputError(
-            "OpenCV is not installed, which finds boards in images", hint='pip install "viewgauge[images]"'
+            "OpenCV is not installed, which reads and writes images", hint='pip install "viewgauge[images]"'
         ) from error
     return cv2
 
