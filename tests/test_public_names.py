@@ -28,6 +28,7 @@ PUBLIC = [
     "evaluate_into",
     "improve",
     "load",
+    "measure",
     "open_executor",
     "plan",
     "simulate",

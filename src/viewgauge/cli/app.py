@@ -20,7 +20,7 @@ from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
 from .head import characterize
-from .images import simulate
+from .images import measure, simulate
 from .inverse import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
@@ -214,6 +214,7 @@ app.command(improve, name="improve")
 app.command(specify, name="specify")
 app.command(characterize, name="characterize")
 app.command(simulate, name="simulate")
+app.command(measure, name="measure")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

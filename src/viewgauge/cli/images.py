@@ -1,17 +1,21 @@
-"""The command that makes images."""
+"""The commands that make images and measure in them."""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .options import DONE, Json, PartFile, count, whole_number
+from .options import DONE, NOT_MET, Json, PartFile, count, whole_number
 from .output import print_json
 from .progress import Bars
 
-__all__ = ["simulate"]
+__all__ = ["measure", "simulate"]
 
 
 def simulate(
@@ -70,3 +74,60 @@ def simulate(
     else:
         print(f"{images} images written to {output}, with looks.csv and simulation.json")
     return DONE
+
+
+def measure(
+    file: Path,
+    plan: Path,
+    images: Path,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    part: PartFile = None,
+    json: Json = False,
+) -> int:
+    """Measure the planned dimensions in images that were taken at the plan's settings.
+
+    Exit code 0 if every dimension passes, 1 if some fails, is undecided or could not be measured.
+
+    Parameters
+    ----------
+    file
+        The inspection file (YAML).
+    plan
+        Folder of the plan.
+    images
+        Folder of the images, SETTING.png or SETTING_NUMBER.png, without lens distortion.
+    output
+        Folder for measurements.csv and pictures of what was found.
+    """
+    from .. import workflow
+
+    bars = Bars()
+    with workflow.output_folder(output) if output is not None else nullcontext():
+        with bars.stage("Reading the inspection and its part"):
+            inspection = workflow.load(file, part=part)
+        rows = workflow.measure(inspection, plan, images, output, progress=bars)
+    if json:
+        print_json([asdict(row) for row in rows])
+    else:
+        _print_measured(rows)
+        if output is not None:
+            print(f"written to {output}: measurements.csv, and a picture of each image")
+    return DONE if all(row.verdict in ("pass", "measured") for row in rows) else NOT_MET
+
+
+def _print_measured(rows: Sequence[Any]) -> None:
+    """Of a few images each dimension, of many how often each verdict."""
+    images = len({row.image for row in rows})
+    print(f"{len(rows)} measurements in {'1 image' if images == 1 else f'{images} images'}")
+    for name in dict.fromkeys(row.dimension for row in rows):
+        mine = [row for row in rows if row.dimension == name]
+        values = [row.measured_mm for row in mine if row.measured_mm is not None]
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(r.verdict for r in mine).items())
+        told = f"{sum(values) / len(values):.4f}" if values else "-"
+        U = mine[0].expanded_uncertainty_mm
+        sure = "" if U is None else f" ± {U:.4f}"
+        print(f"  {name}: {told}{sure} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
+        for reason in dict.fromkeys(row.reason for row in mine if row.reason):
+            print(f"    not measured: {reason}")

@@ -25,7 +25,8 @@ FIBONACCI = (8, 13, 21, 34, 55, 89, 144, 233, 377, 610)
 _RAYS_AT_ONCE = 2_000_000  # 56 MB
 _AROUND = 1  # pixels
 _BACKGROUND = 0.02
-_DARKEST, _BRIGHTEST = 0.15, 0.95
+_DARKEST, _BRIGHTEST = 0.2, 0.85
+_FINISH, _FINISH_PERIOD = 0.08, 0.3  # by how much parallel faces differ; of the part's size
 _LIGHT = np.array([0.2, 0.55, 0.81])  # the direction that is brightest: faces along the axes differ by a tenth
 
 
@@ -48,7 +49,8 @@ class Renderer:
     """A part that is looked at.
 
     Faces are dull and lit evenly from one side: a face is the brighter the more it is turned to a fixed direction in
-    the part's frame, so that neighbouring faces differ. No shadows, no gloss; the background is dark.
+    the part's frame, and parallel faces differ a little by where they lie, as machined ones do: what lies side by side
+    differs. No shadows, no gloss; the background is dark.
 
     Parameters
     ----------
@@ -74,7 +76,11 @@ class Renderer:
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
         turned = (1 + normal @ _LIGHT) / 2
-        self._shade = np.append(_DARKEST + (_BRIGHTEST - _DARKEST) * turned, _BACKGROUND).astype(np.float32)
+        size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+        offset = np.einsum("mi,mi->m", normal, corners[:, 0] - self._centre)
+        finish = _FINISH * np.sin(2 * np.pi * offset / (_FINISH_PERIOD * size))
+        shade = np.clip(_DARKEST + (_BRIGHTEST - _DARKEST) * turned + finish, 0.0, 1.0)
+        self._shade = np.append(shade, _BACKGROUND).astype(np.float32)
         self._offsets = _lattice(rays_per_pixel)
 
     def radiance(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .improve import improve
     from .inspection import ExplicitSettings, Inspection
     from .load import load
+    from .measure import Measured, measure
     from .plan import plan
     from .progress import Progress, Silent
     from .simulate import simulate
@@ -40,6 +41,7 @@ _HOME = {
     **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
     "improve": ".improve",
     "load": ".load",
+    **dict.fromkeys(("Measured", "measure"), ".measure"),
     "open_executor": ".execution",
     "plan": ".plan",
     "simulate": ".simulate",
@@ -66,6 +68,7 @@ __all__ = [
     "Evaluation",
     "ExplicitSettings",
     "Inspection",
+    "Measured",
     "Method",
     "Progress",
     "Sensor",
@@ -81,6 +84,7 @@ __all__ = [
     "figures_of_gauges",
     "improve",
     "load",
+    "measure",
     "open_executor",
     "output_folder",
     "plan",

@@ -1,0 +1,212 @@
+"""Straight and slightly bent edges in an image, looked for where they are expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Edge", "EdgeFinder"]
+
+_STEP_PX = 0.25  # along profiles
+_SMOOTHED_PX = 1.0  # of the derivative of a Gaussian, beside the image's own blur
+_CLEAR_PROFILE, _CLEAR_EDGE = 3.5, 6.0  # slope, and step of all profiles together, over those of the noise
+_AS_STRONG = 0.6  # of the strongest edge on a profile: nearer ones are preferred if they are as strong as this
+_TURNED, _TURNED_BENT = 0.008, 0.06  # of the edge's direction against the expected one, rad
+_AGREE = 0.7  # share of profiles that have to agree with the fit
+_NEAR_PX = 1.0  # to the fit
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A curve ``offset(t) = a + b t + c t²`` px across the expected direction, t px along it from the expected point.
+
+    Parameters
+    ----------
+    point, along
+        ``(2,)`` px: the expected point and direction.
+    coefficients
+        a, b, c.
+    residual_px
+        Root mean square of the profiles about the fit.
+    width_px
+        Of a blur of standard deviation s about ``s (2 Phi(3/s) - 1)``: s up to 1.5 px, less beyond, never above 2.4.
+    contrast
+        Step of grey values across the edge, share of full scale.
+    """
+
+    point: NDArray[np.float64]
+    along: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    residual_px: float
+    width_px: float
+    contrast: float
+
+    @property
+    def across(self) -> NDArray[np.float64]:
+        """``(2,)``: to the left of ``along`` by a right angle."""
+        return np.array([-self.along[1], self.along[0]])
+
+    def meets(self, point: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Where a line through a point meets the edge, nearest to the expected point; None where it does not."""
+        a, b, c = self.coefficients
+        start = np.array([(point - self.point) @ self.along, (point - self.point) @ self.across])
+        run = np.array([direction @ self.along, direction @ self.across])
+        # across = a + b t + c t² with t = start0 + s run0
+        quadratic = c * run[0] ** 2
+        linear = b * run[0] + 2 * c * start[0] * run[0] - run[1]
+        constant = a + b * start[0] + c * start[0] ** 2 - start[1]
+        if abs(quadratic) < 1e-12:
+            roots = [] if abs(linear) < 1e-12 else [-constant / linear]
+        else:
+            inside = linear**2 - 4 * quadratic * constant
+            root = np.sqrt(inside) if inside >= 0 else np.nan
+            roots = [(-linear + sign * root) / (2 * quadratic) for sign in (1, -1)] if inside >= 0 else []
+        if not roots:
+            return None
+        places = [point + s * direction for s in roots]
+        return np.asarray(min(places, key=lambda p: float(np.linalg.norm(p - self.point))))
+
+
+class EdgeFinder:
+    """Finds edges in one image.
+
+    Parameters
+    ----------
+    image
+        ``(rows, columns)`` grey values, share of full scale.
+    noise
+        Standard deviation of a pixel, share of full scale; None to estimate it from the image.
+    """
+
+    def __init__(self, image: NDArray[np.float64], noise: float | None = None) -> None:
+        from scipy.ndimage import spline_filter
+
+        grey = np.asarray(image, dtype=np.float32)
+        self.noise = _noise_of(grey) if noise is None else noise
+        self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
+
+    def edge(
+        self,
+        point: NDArray[np.float64],
+        along: NDArray[np.float64],
+        span_px: tuple[float, float],
+        reach_px: float,
+        bent: bool = False,
+    ) -> Edge | None:
+        """The edge near a point; None where no clear one is found.
+
+        Parameters
+        ----------
+        point, along
+            ``(2,)`` px: where it is expected, and its direction (unit).
+        span_px
+            From where to where along it profiles are taken, from the point.
+        reach_px
+            How far off across its direction it may be.
+        bent
+            A parabola in place of a straight line.
+        """
+        t = np.arange(span_px[0], span_px[1] + 1e-9, 1.0)
+        if len(t) < (5 if bent else 3):
+            return None
+        offset = self._profiles(point, along, t, reach_px)
+        good = np.isfinite(offset)
+        if good.sum() < max(_AGREE * len(t), 5 if bent else 3):
+            return None
+        order = 2 if bent else 1
+        kept = good.copy()
+        for _ in range(4):
+            fit = np.polyfit(t[kept], offset[kept], order)
+            left = np.abs(np.where(good, offset, np.inf) - np.polyval(fit, t))
+            again = left <= max(_NEAR_PX, 2.5 * np.median(left[kept]))
+            if again.sum() < max(_AGREE * len(t), order + 2):
+                return None
+            if (again == kept).all():
+                break
+            kept = again
+        fit = np.polyfit(t[kept], offset[kept], order)
+        residual = offset[kept] - np.polyval(fit, t[kept])
+        chance = 4 * residual.std() * np.sqrt(12 / kept.sum()) / np.ptp(t[kept])  # what noise may turn it by
+        if abs(fit[-2]) > (_TURNED_BENT if bent else _TURNED) + chance:
+            return None
+        coefficients = np.array([*fit[::-1], 0.0, 0.0])[:3]
+        contrast, width = self._step(point, along, t[kept], np.polyval(fit, t[kept]))
+        if contrast < _CLEAR_EDGE * self.noise / np.sqrt(len(t)):
+            return None
+        return Edge(point, along, coefficients, float(np.sqrt((residual**2).mean())), width, float(contrast))
+
+    def _profiles(
+        self, point: NDArray[np.float64], along: NDArray[np.float64], t: NDArray[np.float64], reach_px: float
+    ) -> NDArray[np.float64]:
+        """Of each profile the place of its edge, px across; NaN where none is clear."""
+        s, grey = self._sampled(point, along, t, reach_px + 4 * _SMOOTHED_PX)
+        slope = _slope(grey)
+        inside = np.abs(s) <= reach_px
+        offset = np.full(len(t), np.nan)
+        # noise of the smoothed slope, per px, of interpolated samples: about that of white noise so smoothed
+        threshold = _CLEAR_PROFILE * self.noise * 0.4 / _SMOOTHED_PX**1.5
+        for k, row in enumerate(np.abs(slope)):
+            peaks = np.flatnonzero((row[1:-1] >= row[:-2]) & (row[1:-1] > row[2:]) & inside[1:-1]) + 1
+            peaks = peaks[row[peaks] > threshold]
+            if not len(peaks):
+                continue
+            strong = peaks[row[peaks] >= _AS_STRONG * row[peaks].max()]
+            best = strong[np.argmin(np.abs(s[strong]))]
+            below, at, above = row[best - 1 : best + 2]
+            shift = 0.5 * (below - above) / min(below - 2 * at + above, -1e-12)
+            offset[k] = s[best] + shift * _STEP_PX
+        return offset
+
+    def _sampled(
+        self, point: NDArray[np.float64], along: NDArray[np.float64], t: NDArray[np.float64], reach: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        s = np.arange(-reach, reach + 1e-9, _STEP_PX)
+        across = np.array([-along[1], along[0]])
+        places = point + t[:, None, None] * along + s[:, None] * across
+        return s, self._at(places)
+
+    def _at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Grey values at places ``(..., 2)`` px, by cubic splines."""
+        from scipy.ndimage import map_coordinates
+
+        rows_columns = [places[..., 1], places[..., 0]]
+        return np.asarray(map_coordinates(self._splines, rows_columns, order=3, mode="nearest", prefilter=False))
+
+    def _step(
+        self,
+        point: NDArray[np.float64],
+        along: NDArray[np.float64],
+        t: NDArray[np.float64],
+        offset: NDArray[np.float64],
+    ) -> tuple[float, float]:
+        """Contrast and width of the edge, of all profiles laid over each other."""
+        s = np.arange(-6.0, 6.0 + 1e-9, _STEP_PX)
+        across = np.array([-along[1], along[0]])
+        places = point + t[:, None, None] * along + (offset[:, None] + s)[..., None] * across
+        grey = self._at(places).mean(axis=0)
+        middle = np.abs(s) <= 1.0
+        side = grey[(s >= 2) & (s <= 4)].mean() - grey[(s >= -4) & (s <= -2)].mean()
+        slope = np.gradient(grey, _STEP_PX)
+        steepest = float(np.abs(slope[middle]).max())
+        width = abs(side) / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
+        return abs(float(side)), float(width)
+
+
+def _slope(grey: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Derivative of a Gaussian along the last axis, per px."""
+    from scipy.ndimage import gaussian_filter1d
+
+    return np.asarray(gaussian_filter1d(grey, _SMOOTHED_PX / _STEP_PX, axis=-1, order=1) / _STEP_PX)
+
+
+def _noise_of(image: NDArray[np.float32]) -> float:
+    """Standard deviation of a pixel, robustly, from second differences (Immerkaer 1996): edges are rare."""
+    rows, columns = (slice(1, -1),) * 2
+    inner = image[rows, columns]
+    mask = (
+        image[:-2, :-2] + image[:-2, 2:] + image[2:, :-2] + image[2:, 2:]
+        - 2 * (image[:-2, 1:-1] + image[2:, 1:-1] + image[1:-1, :-2] + image[1:-1, 2:]) + 4 * inner
+    )  # fmt: skip
+    return float(1.4826 * np.median(np.abs(mask[::3, ::3])) / 6)
