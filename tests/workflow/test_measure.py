@@ -55,10 +55,12 @@ def measured(inspection, plan, images, tmp_path_factory):
     return vg.measure(inspection, plan[0], images, output), output
 
 
-def test_nearly_all_is_measured_and_right_within_the_prediction(measured, plan):
-    """Of 12 looks a mean is off by 0.29 u and a deviation by 21 % (one sigma): 4.5 sigma, and the seed is fixed."""
+def test_nearly_all_is_measured_and_right_within_the_prediction(measured):
+    """Of 12 looks a mean is off by 0.29 u and a deviation by 21 % (one sigma): 4.5 sigma, and the seed is fixed.
+
+    The deviation may be twice u: some dimensions scatter so much more than predicted, and it is not known why.
+    """
     rows, _ = measured
-    budgets = {d.id: d for d in plan[1].dimensions}
     found = [row for row in rows if row.measured_mm is not None]
     assert len(rows) == LOOKS * len(STRAIGHT)
     assert len(found) >= 0.9 * len(rows)
@@ -68,7 +70,6 @@ def test_nearly_all_is_measured_and_right_within_the_prediction(measured, plan):
         assert len(errors) >= LOOKS // 2, name
         assert abs(errors.mean()) < 4.5 * u / np.sqrt(len(errors)), name
         assert errors.std() < 2.0 * u, name
-        assert budgets[name].nominal_mm == pytest.approx(errors.mean() + budgets[name].nominal_mm, abs=2 * u)
 
 
 def test_verdicts_leave_a_guard_band(measured):

@@ -77,8 +77,8 @@ def measure_gauge(
     """The length of a gauge in an image that was taken at a pose but for the head's error.
 
     Each end is where an edge that crosses the gauge, fitted near where the guide expects it, meets the gauge's line:
-    the expected line through both, or the fitted edge along which the gauge lies. The guide only says where to look:
-    the length is compared with that at the pose that was planned.
+    the expected line through both, or the fitted edge along which the gauge lies. The guide says where to look and
+    where the expected line is; the length is compared with that at the pose that was planned.
 
     Parameters
     ----------
@@ -112,7 +112,6 @@ class Guide:
 
     T_part_camera: NDArray[np.float64]
     reach_px: float
-    edges: int
 
 
 def find_guide(
@@ -161,7 +160,7 @@ def find_guide(
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
     assert error.T_camera_head is not None  # set by PoseError
     moved = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ T_camera_part
-    return Guide(invert(moved), float(3 * np.median(left[agree]) + 2.0), int(agree.sum()))
+    return Guide(invert(moved), float(3 * np.median(left[agree]) + 2.0))
 
 
 def _reach_px(point: NDArray[np.float64], camera: Camera, error: PoseError) -> float:
@@ -254,14 +253,12 @@ def _end(
     crossing = [d for d in directions if _sine(d.unit, run) >= _CROSSES]
     if not crossing:
         return EndPoint(place, None, None, "no edge is known that crosses the gauge")
-    best: Edge | None = None
+    best: Edge | None = None  # the straightest: the most nearly square one located the ends of a corner worse
     for direction in crossing:
-        for span in direction.spans:
-            edge = finder.edge(place, direction.unit, span, reach, bent)
-            if edge is not None:
-                if best is None or edge.residual_px < best.residual_px:
-                    best = edge
-                break
+        tried = (finder.edge(place, direction.unit, span, reach, bent) for span in direction.spans)
+        edge = next((edge for edge in tried if edge is not None), None)
+        if edge is not None and (best is None or edge.residual_px < best.residual_px):
+            best = edge
     if best is None:
         return EndPoint(place, None, None, "no clear edge")
     if best.width_px > _BLUNT_PX:

@@ -111,12 +111,10 @@ def settled_change(evaluator: Evaluator, poses: NDArray[np.float64], setup: SetU
         return Change(None, None, None, False, best, not meeting(turned(0.0), poses).any(axis=0).all())
     factor, unlimited = threshold.factor, threshold.unlimited
     met_beyond = not unlimited and _all_met(turned(factor * (1 + SHORT)), poses)
-    for _ in range(
-        _STEPS_BEYOND
-    ):  # where the small-error model ceases to answer, less of an error is not always better
-        if not met_beyond:
-            break
-        factor *= 1 + SHORT
+    steps = 0
+    # where the small-error model ceases to answer, less of an error is not always better
+    while met_beyond and steps < _STEPS_BEYOND:
+        factor, steps = factor * (1 + SHORT), steps + 1
         met_beyond = _all_met(turned(factor * (1 + SHORT)), poses)
     value = factor * knob.today(setup)
     return _verified(Change(factor, value, (0.0, value), unlimited, None, True), turned, poses)
