@@ -608,3 +608,21 @@ def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
         ["box.stl", "inspection.yaml", "new"],
     )
     assert [p.name for p in folder.glob("new/out/*")] in ([], [".partial"])
+
+
+@pytest.mark.parametrize("cause", [KeyboardInterrupt(), ValueError()])
+def test_ctrl_c_in_compiled_code_is_an_interrupt_and_other_system_errors_are_not(capsys, monkeypatch, cause):
+    """A compiled function that is interrupted as it returns raises SystemError, caused by the interrupt."""
+    from viewgauge import workflow
+
+    def interrupted(*_, **__):
+        raise SystemError("a result with an exception set") from cause
+
+    monkeypatch.setattr(workflow, "plan", interrupted)
+    if isinstance(cause, KeyboardInterrupt):
+        assert main(["plan", "inspection.yaml", "-o", "out"]) == 130
+        assert "interrupted" in capsys.readouterr().err
+        assert not Path("out").exists()
+    else:
+        with pytest.raises(SystemError):
+            main(["plan", "inspection.yaml", "-o", "out"])

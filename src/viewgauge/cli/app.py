@@ -238,7 +238,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ViewgaugeError as error:
         print_error(error, as_json="--json" in given)
         return _BAD_INPUT
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemError) as error:
+        # Ctrl-C while compiled code hands over its result comes as a SystemError that is caused by it
+        if not isinstance(error, KeyboardInterrupt) and not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
         what = "nothing was left half-written, and a long job goes on when started again"
         print(f"viewgauge: interrupted; {what}", file=sys.stderr)
         return _INTERRUPTED
