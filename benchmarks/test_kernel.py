@@ -71,7 +71,7 @@ def test_numpy(kernel: ProbabilityKernel, tiny: bool, timed: Callable[..., None]
 
     def numpy_form() -> np.ndarray:
         image = image_segment(points[..., 0, :], points[..., 1, :], i.camera, i.head)
-        return image.success_probability(i.camera, T)
+        return image.success_probability(T)
 
     every = np.full((len(part.gauges()), VIEWS), VISIBLE, np.int8)
     front = (points[..., 2] > 0).all(axis=-1)

@@ -133,7 +133,7 @@ def _error_and_tolerance(stratum, start, end, camera, largest_angle, largest_shi
         pivot = tuple(map(float, rng.normal(0, distance * {"absurd": 2.0, "harsh": 0.5}.get(stratum, 0.2), 3)))
     error = vg.PoseError(covariance, pivot_mm=pivot)
     image = image_segment(start, end, camera, error)
-    deviation = float(image.total_error(camera).std() / image.length_mm)
+    deviation = float(image.total_error().std() / image.length_mm)
     if stratum == "absurd":
         return error, deviation * 10 ** rng.uniform(-3, 2)
     return error, deviation * rng.uniform(0.1, 4.5)

@@ -55,8 +55,8 @@ def test_the_kernel_is_the_joint_model_in_numpy(seed, settings, size, tolerance)
     probability, margin = kernel.probabilities(view_block(poses), settings, all_visible(gauges))
     points = transform(invert(poses)[:, None, None], gauges.points)
     image = image_segment(points[..., 0, :], points[..., 1, :], CAMERA, head)
-    law = image.total_error(CAMERA)
-    np.testing.assert_allclose(probability[:, :settings].T, image.success_probability(CAMERA, T), rtol=0, atol=2e-11)
+    law = image.total_error()
+    np.testing.assert_allclose(probability[:, :settings].T, image.success_probability(T), rtol=0, atol=2e-11)
     expected = np.divide((T * image.length_mm) ** 2, law.var(), out=np.zeros(law.var().shape), where=law.var() > 0)
     np.testing.assert_allclose(margin[:, :settings].T, expected, rtol=1e-6)
 
@@ -154,6 +154,6 @@ def test_the_columns_are_those_of_the_model_in_numpy(seed, size):
     sigma = image.sigma_displacement_mm * per_mm
     # a variance that cancels to nothing is known to rounding of the largest term only
     np.testing.assert_allclose(ours.sigma_displacement_px, sigma, rtol=1e-6, atol=1e-6 * max(size, 1e-9) * 100)
-    np.testing.assert_allclose(ours.expected_accuracy, image.expected_accuracy(CAMERA), atol=1e-7)
+    np.testing.assert_allclose(ours.expected_accuracy, image.expected_accuracy(), atol=1e-7)
     sizes = _sizes(points, CAMERA, head)
     np.testing.assert_allclose(ours.neglected, sizes.neglected, rtol=1e-5)

@@ -36,7 +36,7 @@ def test_one_look_is_the_single_look_of_the_joint_model(share):
     law = Looks.of(POINTS, CAMERA, error).mean_of(np.arange(len(POINTS))[:, None])
     image = image_segment(POINTS[:, 0], POINTS[:, 1], CAMERA, error)
     scale = LENGTH / image.length_mm
-    np.testing.assert_allclose(law.std(), scale * image.total_error(CAMERA).std(), rtol=1e-12)
+    np.testing.assert_allclose(law.std(), scale * image.total_error().std(), rtol=1e-12)
     np.testing.assert_allclose(law.sigma, scale * image.sigma_displacement_mm, rtol=1e-12)
     expected = success_probability(POINTS[:, 0], POINTS[:, 1], CAMERA, error, allowed[:, None] / LENGTH)
     np.testing.assert_allclose(law.central_probability(allowed[:, None]), expected, atol=1e-12)

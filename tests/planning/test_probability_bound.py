@@ -67,7 +67,7 @@ def test_five_parameters_give_the_errors_of_the_model(seed, covariance, camera):
     half = rng.normal(size=3)
     half *= rng.uniform(5, 60) / np.linalg.norm(half)
     (start, end), parameters = way_to_lie(middle - half, middle + half)
-    search = _Search((2 * np.linalg.norm(half),) * 2, 0.01, anything(), camera, error, LIMITS)
+    search = _Search((2 * np.linalg.norm(half),) * 2, 0.01, anything(), camera, error, LIMITS, False)
     box, out, axis = np.repeat(np.array(parameters)[None, :, None], 2, axis=2), np.empty((1, OUT)), np.empty(1, int)
     box_bounds(box, *search._length, search._R, search._view, out, axis)
     image = image_segment(start, end, camera, error)

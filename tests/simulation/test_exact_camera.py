@@ -178,7 +178,7 @@ def test_the_interval_of_all_or_nothing():
 def tolerance_of(deviations, end, error):
     """The relative tolerance that is so many standard deviations of the length error."""
     segment = image_segment(START, end, CAMERA, error)
-    return float(deviations * segment.total_error(CAMERA).std() / segment.length_mm)
+    return float(deviations * segment.total_error().std() / segment.length_mm)
 
 
 @pytest.mark.parametrize("deviations", [0.5, 1.2, 2.5])

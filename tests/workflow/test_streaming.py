@@ -236,8 +236,8 @@ def test_the_table_is_that_of_the_equations_written_out(inspection, poses, tmp_p
         start, end = transform(invert(some[k]), gauges.points[j])
         image = image_segment(start, end, inspection.camera, inspection.head, "joint")
         expected = {
-            "probability": image.success_probability(inspection.camera, tolerance[j]),
-            "expected_accuracy": image.expected_accuracy(inspection.camera),
+            "probability": image.success_probability(tolerance[j]),
+            "expected_accuracy": image.expected_accuracy(),
             "angle_rad": image.angle_rad,
             "relative_tolerance": tolerance[j],
         }

@@ -2,6 +2,7 @@
 
 from .accuracy import Accuracy
 from .averaged import AveragedError
+from .edge_location import edge_point_deviation, ellipse_chord_variance, line_end_variance
 from .independent_total import IndependentTotalError
 from .marsaglia import MarsagliaForm, marsaglia_form
 from .normal_ratio import NormalRatio
@@ -23,7 +24,10 @@ __all__ = [
     "SpatialQuantization",
     "TotalError",
     "covariance_numerator_denominator",
+    "edge_point_deviation",
+    "ellipse_chord_variance",
     "lambdas",
+    "line_end_variance",
     "marsaglia_form",
     "projected_length",
     "projected_length_on_axis",

@@ -55,6 +55,14 @@ class SpatialQuantization(Law):
     def __init__(self, pixel_pitch_mm: ArrayLike, angle_rad: ArrayLike) -> None:
         self.half_width_u, self.half_width_v = quantization_half_widths(pixel_pitch_mm, angle_rad)
 
+    @classmethod
+    def of_half_widths(cls, half_widths: ArrayLike) -> SpatialQuantization:
+        """The law with the half-widths ``(..., 2)`` of the two triangular errors, where they are known already."""
+        law = cls(0.0, 0.0)
+        widths = require_not_negative("half_widths", half_widths)
+        law.half_width_u, law.half_width_v = widths[..., 0], widths[..., 1]
+        return law
+
     def pdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """Density at x (eq. 3)."""
         return total_pdf(x, 0.0, self.half_width_u, self.half_width_v)

@@ -44,6 +44,13 @@ class TotalError(Law):
         self.sigma_displacement_mm = require_not_negative("sigma_displacement_mm", sigma_displacement_mm)
         self.quantization = SpatialQuantization(pixel_pitch_mm, angle_rad)
 
+    @classmethod
+    def of_half_widths(cls, sigma: ArrayLike, half_widths: ArrayLike) -> TotalError:
+        """The law with a normal error and the half-widths ``(..., 2)`` of the two triangular errors of quantization."""
+        law = cls(sigma, 0.0, 0.0)
+        law.quantization = SpatialQuantization.of_half_widths(half_widths)
+        return law
+
     @staticmethod
     def of(displacement: SegmentDisplacement, pixel_pitch_mm: ArrayLike) -> TotalError | IndependentTotalError:
         """Total error of a displacement law of either model: closed form for joint, by series for independent."""

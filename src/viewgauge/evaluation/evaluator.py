@@ -20,7 +20,7 @@ from .best_gauges import best_gauges
 from .kernel import ProbabilityKernel
 from .pair_columns import PairColumns
 from .requirement import Requirement
-from .segment import FirstOrderMethod, SegmentImage, image_segment
+from .segment import FirstOrderMethod, SegmentImage, image_segment, require_plain
 from .validity import NEGLIGIBLE, WARNINGS, validity
 
 __all__ = ["Accepted", "Evaluator", "TableBlock"]
@@ -106,6 +106,8 @@ class Evaluator:
         occluder: Occluder | None = None,
     ) -> None:
         gauges = GaugeTable.of(dimensions)
+        if method == "independent":
+            require_plain(camera)
         self.dimensions = tuple(dimensions)
         self._requirement, self._mesh, self._limits = requirement, mesh, limits or ObservationLimits()
         self.allowed_error_mm = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
@@ -191,8 +193,8 @@ class Evaluator:
         gauge, setting = np.nonzero(reason[:, : len(poses)] == VISIBLE)
         image = self._image(poses[setting], gauge)
         probability, margin = np.zeros(reason.shape), np.zeros(reason.shape)
-        probability[gauge, setting] = image.success_probability(self._camera, self._tolerance[gauge])
-        margin[gauge, setting] = image.expected_accuracy(self._camera)
+        probability[gauge, setting] = image.success_probability(self._tolerance[gauge])
+        margin[gauge, setting] = image.expected_accuracy()
         return probability, margin
 
     def _image(self, poses: NDArray[np.float64], gauge: NDArray[np.int64]) -> SegmentImage:
@@ -210,7 +212,7 @@ class Evaluator:
             image = self._image(poses[at[0]], gauge[at])
             direction = np.stack([np.cos(image.angle_rad), np.sin(image.angle_rad)], axis=-1)
             per_mm = np.linalg.norm(direction / np.asarray(self._camera.pixel_pitch_mm), axis=-1)
-            sigma[at], accuracy[at] = image.sigma_displacement_mm * per_mm, image.expected_accuracy(self._camera)
+            sigma[at], accuracy[at] = image.sigma_displacement_mm * per_mm, image.expected_accuracy()
         return TableBlock(
             reason=ranked.reason,
             image_length_px=values.length_px.reshape(gauge.shape),

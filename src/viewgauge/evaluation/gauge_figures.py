@@ -94,6 +94,7 @@ def spread_mm(
     length_mm: float,
     camera: Camera,
     sigmas: float = SIGMAS,
+    sigma_quantization_px: float = 0.0,
 ) -> float:
     """Half the width of the interval that holds the errors of a measured length but for 0.27 %, mm on the part.
 
@@ -108,8 +109,16 @@ def spread_mm(
         Length of the gauge.
     sigmas
         The interval holds as much as that many standard deviations of a normal law, 99.73 % by default.
+    sigma_quantization_px
+        As in the table; it counts for a camera that is not plain.
     """
     pitch_u, pitch_v = camera.pixel_pitch_mm
     px_per_mm = hypot(cos(angle_rad) / pitch_u, sin(angle_rad) / pitch_v)
-    law = TotalError(sigma_displacement_px / px_per_mm, camera.quantization_step_mm, angle_rad)
+    if camera.is_plain:
+        law = TotalError(sigma_displacement_px / px_per_mm, camera.quantization_step_mm, angle_rad)
+    else:  # what of the camera's part is not quantization is normal
+        quantization = TotalError(0.0, camera.quantization_step_mm, angle_rad)
+        normal = max((sigma_quantization_px / px_per_mm) ** 2 - float(quantization.var()), 0.0)
+        sigma = hypot(sigma_displacement_px / px_per_mm, normal**0.5)
+        law = TotalError(sigma, camera.quantization_step_mm, angle_rad)
     return float(law.ppf((1 + coverage(sigmas)) / 2)) * px_per_mm / image_length_px * length_mm

@@ -26,6 +26,7 @@ from ..errors.closed_form_array import central_probability_into
 from ..geometry import VIEWS, Camera, PoseError
 from ..part.gauge_table import GaugeTable
 from ..visibility import VISIBLE
+from .camera_errors import PairCameraErrors
 
 __all__ = ["ProbabilityKernel"]
 
@@ -50,6 +51,7 @@ class ProbabilityKernel:
         R = np.asarray(np.linalg.qr(factor.T, mode="r"))
         steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
         self._parameters = np.array([*R[np.triu_indices(5)], *steps])
+        self._camera = None if camera.is_plain else PairCameraErrors(gauges, camera)
 
     def probabilities(
         self, views: NDArray[np.float64], count: int, reason: NDArray[np.int8]
@@ -76,9 +78,26 @@ class ProbabilityKernel:
             n = _lengths(
                 views, count, self._points[tile], self._tolerance[tile], self._parameters, reason[tile], values, place
             )
+            if self._camera is not None:
+                self._add_camera(self._camera, views, place[:n], first, values.reshape(6, _PAIRS)[:, :n])
             central_probability_into(x[:n], sigma[:n], a[:n], b[:n], law[:n])
             _scatter(place[:n], law, ratio, probability[tile].reshape(-1), margin[tile].reshape(-1))
         return probability, margin
+
+    @staticmethod
+    def _add_camera(
+        camera: PairCameraErrors,
+        views: NDArray[np.float64],
+        place: NDArray[np.int64],
+        first: int,
+        values: NDArray[np.float64],
+    ) -> None:
+        """What a camera that is not plain adds to the errors of a tile, which have its quantization as if it were."""
+        gauge, setting = np.divmod(place, VIEWS)
+        a, b, variance = camera.of(views, setting, first + gauge)
+        total = values[1] ** 2 + variance
+        values[1], values[2], values[3] = np.sqrt(total), a, b
+        values[4] = values[0] ** 2 / np.maximum(total + (a**2 + b**2) / 6, 1e-300)
 
 
 @numba.njit("void(int64[::1], float64[::1], float64[::1], float64[::1], float64[::1])", cache=True, nogil=True)

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from ..geometry import Camera, PoseError, invert, transform
+from .camera_errors import camera_errors
 
-__all__ = ["NODES", "WEIGHTS", "line_probabilities"]
+__all__ = ["NODES", "WEIGHTS", "line_probabilities", "location_deviations"]
 
 _FAR = 9.0  # standard deviations beyond which nothing happens
 NODES, _RAW_WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
@@ -64,6 +65,19 @@ def line_probabilities(
     return np.asarray(np.where(held > 0, held, 0.0))  # also where a line passes behind the camera
 
 
+def location_deviations(points: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
+    """Standard deviations along u and v of what the camera adds to the difference of the ends' images, ``(m, 2)`` mm.
+
+    Of a camera that is not plain what it adds along the image of a segment stands for either.
+    """
+    if camera.is_plain:
+        steps = np.asarray(camera.quantization_step_mm) / np.sqrt(6)  # of the difference of two uniforms
+        return np.asarray(np.broadcast_to(steps, (len(points), 2)))
+    own = camera_errors(points, camera)
+    deviation = np.sqrt(own.normal_variance_mm2 + (own.half_widths_mm**2).sum(axis=-1) / 6)
+    return np.stack([deviation, deviation], axis=-1)
+
+
 class _ExactLength:
     """Length errors of m segments for unit normals ``(m, ..., 8)``, with true rotations and the euclidean length."""
 
@@ -72,7 +86,7 @@ class _ExactLength:
         self.pose, self.factor = error.T_camera_head, error.factor
         self.length_mm = np.linalg.norm(np.diff(camera.project(points), axis=-2)[:, 0], axis=-1)[:, None, None]
         self.ends = transform(invert(self.pose), points)  # head frame
-        self.focal, self.steps = camera.focal_length_mm, np.asarray(camera.quantization_step_mm) / np.sqrt(6)
+        self.focal, self.steps = camera.focal_length_mm, location_deviations(points, camera)[:, None, None]
 
     def __call__(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         twist = normals[..., :6] @ self.factor.T

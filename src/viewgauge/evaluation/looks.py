@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import AveragedError
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, point_jacobian
+from .camera_errors import camera_errors
 
 __all__ = ["Looks", "averaged_success_probability"]
 
@@ -19,8 +20,8 @@ class Looks:
     """What each of n looks at dimensions brings to the error of a mean, at first order.
 
     A look measures ``gauge length · measured / nominal image length``. Its error is
-    ``g · (xi_common + xi) + a (U1 + U2 - 1) + b (U3 + U4 - 1)``: xi_common is the same draw for all looks, in the
-    head frame, all else is drawn anew at each.
+    ``g · (xi_common + xi) + g_c · theta + e + a (U1 + U2 - 1) + b (U3 + U4 - 1)``: xi_common, in the head frame, and
+    theta, of the camera, are the same draws for all looks, all else is drawn anew at each.
 
     Parameters
     ----------
@@ -30,21 +31,39 @@ class Looks:
         ``(n, 2)`` a and b: of quantization along u and v, mm of the dimension.
     common_covariance, repeatability_covariance
         ``(6, 6)`` of xi_common and of xi, head frame, translation first.
+    location_variance_mm2
+        ``(n,)`` of e, a sub-pixel locator's noise; by default none.
+    camera_gradient, camera_covariance
+        ``(n, q)`` g_c and ``(q, q)`` of theta (:class:`~viewgauge.evaluation.camera_errors.CameraErrors`); by default
+        none.
     """
 
     gradient: NDArray[np.float64]
     half_widths_mm: NDArray[np.float64]
     common_covariance: NDArray[np.float64]
     repeatability_covariance: NDArray[np.float64]
+    location_variance_mm2: NDArray[np.float64] = field(default_factory=lambda: np.zeros(()))
+    camera_gradient: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    camera_covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __post_init__(self) -> None:
+        n = len(self.gradient)
+        object.__setattr__(self, "location_variance_mm2", np.broadcast_to(self.location_variance_mm2, n))
+        if not len(self.camera_gradient):
+            object.__setattr__(self, "camera_gradient", np.zeros((n, len(self.camera_covariance))))
 
     @classmethod
-    def of(cls, points: ArrayLike, camera: Camera, error: PoseError) -> Looks:
+    def of(
+        cls, points: ArrayLike, camera: Camera, error: PoseError, rim_axis: NDArray[np.float64] | None = None
+    ) -> Looks:
         """Looks at gauges.
 
         Parameters
         ----------
         points
             ``(n, 2, 3)`` mm: both ends of each gauge, in the camera frame of its look.
+        rim_axis
+            ``(n, 3)``: as of :func:`~viewgauge.evaluation.camera_errors.camera_errors`.
 
         Raises
         ------
@@ -70,11 +89,15 @@ class Looks:
         J = point_jacobian(ends, camera.focal_length_mm)
         at_camera = np.einsum("nk,nkp->np", direction, J[:, 1] - J[:, 0])
         scale = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / length  # mm of the dimension for each mm of image
+        own = camera_errors(ends, camera, rim_axis)
         return cls(
             scale[:, None] * (at_camera @ error.adjoint),
-            scale[:, None] * np.abs(direction) * np.asarray(camera.quantization_step_mm),
+            scale[:, None] * own.half_widths_mm,
             common,
             repeatability,
+            scale**2 * own.own_variance_mm2,
+            scale[:, None] * own.gradient,
+            own.covariance,
         )
 
     def __len__(self) -> int:
@@ -83,7 +106,7 @@ class Looks:
     @property
     def own_variance_mm2(self) -> NDArray[np.float64]:
         """``(n,)``: what is drawn anew at each look, quantization included."""
-        own = _quadratic(self.gradient, self.repeatability_covariance)
+        own = _quadratic(self.gradient, self.repeatability_covariance) + self.location_variance_mm2
         return np.asarray(own + (self.half_widths_mm**2).sum(axis=1) / 6)
 
     def mean_of(self, looks: ArrayLike) -> AveragedError:
@@ -92,12 +115,14 @@ class Looks:
         k = index.shape[-1]
         gradient = self.gradient[index]
         variance = _quadratic(gradient.mean(axis=-2), self.common_covariance)
-        variance = variance + _quadratic(gradient, self.repeatability_covariance).sum(axis=-1) / k**2
+        variance = variance + _quadratic(self.camera_gradient[index].mean(axis=-2), self.camera_covariance)
+        own = _quadratic(gradient, self.repeatability_covariance) + self.location_variance_mm2[index]
+        variance = variance + own.sum(axis=-1) / k**2
         return AveragedError(np.sqrt(variance), self.half_widths_mm[index].reshape(*index.shape[:-1], 2 * k) / k)
 
 
 def _quadratic(vectors: NDArray[np.float64], covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``v Sigma v^T`` of vectors ``(..., 6)``; rounding must not make it negative."""
+    """``v Sigma v^T`` of vectors ``(..., p)``; rounding must not make it negative."""
     return np.asarray(np.maximum(np.einsum("...p,pq,...q->...", vectors, covariance, vectors), 0.0))
 
 

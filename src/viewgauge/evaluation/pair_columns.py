@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors.mean_absolute_array import mean_absolute_into
 from ..geometry import VIEWS, Camera, PoseError
 from ..part.gauge_table import GaugeTable
+from .camera_errors import PairCameraErrors
 
 __all__ = ["PairColumns", "PairValues"]
 
@@ -29,7 +30,8 @@ class PairValues:
     length_px, angle_rad
         Of the image, the angle from +u.
     sigma_displacement_px, sigma_quantization_px
-        Standard deviations of the length error, along the image of the gauge.
+        Standard deviations of the length error by the pose error and by the camera (quantization or a locator's noise,
+        and calibration), along the image of the gauge.
     expected_accuracy
         1 - E|error| / L (eq. 20), not below 0.
     neglected
@@ -53,11 +55,17 @@ class PairColumns:
         focal = camera.focal_length_mm
         steps = np.asarray(camera.quantization_step_mm) / focal
         self._parameters = np.array([*steps, *(focal / np.asarray(camera.pixel_pitch_mm))])
+        self._camera = None if camera.is_plain else PairCameraErrors(gauges, camera)
 
     def of(self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]) -> PairValues:
         """Of pairs of a block of settings (:func:`~viewgauge.geometry.view_block`): indices ``(p,)``."""
         out = self._rows(views, setting, gauge)
         length, sigma, a, b = out[5:]
+        if self._camera is not None:
+            a, b, variance = self._camera.of(views, setting, gauge)
+            per_unit = np.divide(out[0], length, out=np.zeros(len(length)), where=length > 0)
+            out[3] = np.sqrt(variance + (a**2 + b**2) / 6) * per_unit
+            sigma = np.sqrt(sigma**2 + variance)
         mean_absolute = np.empty(len(length))
         mean_absolute_into(sigma, a, b, mean_absolute)
         relative = np.divide(mean_absolute, length, out=np.ones(len(length)), where=length > 0)

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from ..geometry import Camera, PoseError, point_jacobian
-from .line_sampling import NODES, WEIGHTS, line_probabilities
+from .line_sampling import NODES, WEIGHTS, line_probabilities, location_deviations
 
 __all__ = ["NEGLIGIBLE", "WARNINGS", "probability_error", "validity"]
 
@@ -154,13 +154,13 @@ def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Si
     angle = np.arctan2(image[:, 1], image[:, 0])
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
-    steps = np.asarray(camera.quantization_step_mm) / np.sqrt(6)  # of the difference of two uniforms
+    steps = location_deviations(points, camera)[:, None]
     turned = np.swapaxes(np.cross(np.eye(3), points[..., None, :]), -1, -2)  # e_k x p in column k
     moved = np.concatenate([np.broadcast_to(np.eye(3), turned.shape), turned], axis=-1) @ camera_factor
     gradients = np.zeros((len(points), 4, 8))
     for row, direction in enumerate((along, across)):
         gradients[:, row, :6] = np.einsum("mk,mkp->mp", direction, J[:, 1] - J[:, 0])
-        gradients[:, row, 6:] = direction * steps
+        gradients[:, row, 6:] = direction * steps[:, 0]
     gradients[:, 2:, :6] = moved[:, :, 2] / points[..., 2:]
     distance = np.linalg.norm(points, axis=-1)
     sight = points / distance[..., None]

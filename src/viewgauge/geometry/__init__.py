@@ -1,7 +1,9 @@
-"""Poses, the pinhole camera, the pose error of the head and its effect on image points."""
+"""Poses, the camera and its lens, the pose error of the head and its effect on image points."""
 
 from .camera import Camera
+from .edge_locator import EdgeLocator
 from .image_jacobian import point_jacobian
+from .lens import Lens
 from .pose_error import PoseError
 from .poses import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
 from .view_block import VIEWS, view_block
@@ -9,6 +11,8 @@ from .view_block import VIEWS, view_block
 __all__ = [
     "VIEWS",
     "Camera",
+    "EdgeLocator",
+    "Lens",
     "PoseError",
     "invert",
     "look_at",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from .mesh import Mesh
 
-__all__ = ["Dimension", "Gauge", "Observed", "Part", "Unusable"]
+__all__ = ["Dimension", "Gauge", "Observed", "Part", "Unusable", "rim_axes"]
 
 Observed = Literal["ends", "whole"]
 
@@ -28,6 +29,9 @@ class Gauge:
         can be seen only from in front of at least one of them.
     source
         Where it lies, in words (such as "edges 12 and 40").
+    rim_axis
+        ``(3,)`` unit normal of the circle of which the gauge is a diameter, where its whole rim is an outer edge; None
+        for any other gauge.
     """
 
     start: NDArray[np.float64]
@@ -35,11 +39,19 @@ class Gauge:
     start_normals: NDArray[np.float64]
     end_normals: NDArray[np.float64]
     source: str = ""
+    rim_axis: NDArray[np.float64] | None = None
 
     @property
     def length_mm(self) -> float:
         """Distance between the two points, mm."""
         return float(np.linalg.norm(self.end - self.start))
+
+
+def rim_axes(gauges: Sequence[Gauge | None], T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(n, 3)``: axes of the rims of which gauges are diameters, in the frames of poses ``(n, 4, 4)``; else zeros."""
+    none = np.zeros(3)
+    axes = [none if gauge is None or gauge.rim_axis is None else gauge.rim_axis for gauge in gauges]
+    return np.asarray(np.einsum("nji,nj->ni", T_part_camera[:, :3, :3], np.array(axes).reshape(-1, 3)))
 
 
 @dataclass(frozen=True)
@@ -68,6 +80,13 @@ class Dimension:
     tolerance_mm: tuple[float, float] | None
     gauges: tuple[Gauge, ...]
     observed: Observed = "ends"
+
+    def gauge_at(self, points: NDArray[np.float64]) -> Gauge | None:
+        """The gauge whose start and end are ``(2, 3)`` mm, part frame; None where there is none."""
+        for gauge in self.gauges:
+            if np.allclose(np.stack([gauge.start, gauge.end]), points, rtol=0, atol=1e-6):
+                return gauge
+        return None
 
 
 @dataclass(frozen=True)

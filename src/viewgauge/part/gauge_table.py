@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ class GaugeTable:
         ``(g,)`` index of the dimension.
     first
         ``(d,)`` index of each dimension's first gauge.
+    rim_axis
+        ``(g, 3)``: unit normal of the circle whose whole rim can be fitted; zeros, the default, where there is none.
     """
 
     points: NDArray[np.float64]
@@ -36,6 +38,11 @@ class GaugeTable:
     whole: NDArray[np.bool_]
     dimension: NDArray[np.int64]
     first: NDArray[np.int64]
+    rim_axis: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def __post_init__(self) -> None:
+        if not len(self.rim_axis):
+            object.__setattr__(self, "rim_axis", np.zeros((len(self.points), 3)))
 
     @classmethod
     def of(cls, dimensions: Sequence[Dimension]) -> GaugeTable:
@@ -47,6 +54,7 @@ class GaugeTable:
             points[row] = gauge.start, gauge.end
             normals[row, 0, : len(gauge.start_normals)] = gauge.start_normals
             normals[row, 1, : len(gauge.end_normals)] = gauge.end_normals
+        rim_axis = np.array([np.zeros(3) if g.rim_axis is None else g.rim_axis for g, _ in gauges]).reshape(-1, 3)
         counts = [len(dimension.gauges) for dimension in dimensions]
         return cls(
             points=points,
@@ -54,6 +62,7 @@ class GaugeTable:
             whole=np.array([dimensions[index].observed == "whole" for _, index in gauges], dtype=bool),
             dimension=np.array([index for _, index in gauges], dtype=np.int64),
             first=np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64) if counts else np.zeros(0, np.int64),
+            rim_axis=rim_axis,
         )
 
     def __len__(self) -> int:

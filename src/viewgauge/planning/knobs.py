@@ -60,8 +60,16 @@ def _deviation(head: PoseError, first: int) -> float:
 
 
 def _pixel(setup: SetUp, factor: float) -> SetUp:
-    step = setup.camera.edge_resolution_px * factor
-    return replace(setup, camera=replace(setup.camera, edge_resolution_px=step))
+    camera, locator = setup.camera, setup.camera.locator
+    if locator is None:
+        return replace(setup, camera=replace(camera, edge_resolution_px=camera.edge_resolution_px * factor))
+    locator = replace(locator, noise_px=locator.noise_px * factor, bias_px=locator.bias_px * factor)
+    return replace(setup, camera=replace(camera, locator=locator))
+
+
+def _edge_location(setup: SetUp) -> float:
+    locator = setup.camera.locator
+    return setup.camera.edge_resolution_px if locator is None else max(locator.noise_px, locator.bias_px)
 
 
 def _focal_length(setup: SetUp, factor: float) -> SetUp:
@@ -86,8 +94,9 @@ SETTLED = (
     Knob(
         "pixel",
         "px",
-        "quantization step of the edge locator (as well a pixel smaller by the factor on a sensor of the same size)",
-        lambda setup: setup.camera.edge_resolution_px,
+        "quantization step of the edge locator, or its noise and offset (as well a pixel smaller by the factor on a "
+        "sensor of the same size)",
+        _edge_location,
         _pixel,
     ),
     Knob(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..evaluation.budget import GROUPS, SOURCES, ErrorBudget
 from ..evaluation.gauge_figures import GaugeFigures
@@ -12,8 +12,23 @@ from .wording import DASH, element, length, probability
 
 __all__ = ["budget_section", "figures_section", "refinement_section"]
 
-_PARTS = {"translation": GROUPS["translation"], "rotation": GROUPS["rotation"], "u": (6,), "v": (7,)}
-_WORDS = {"translation": "translation", "rotation": "rotation", "u": "pixels along u", "v": "pixels along v"}
+_PARTS = {
+    "translation": GROUPS["translation"],
+    "rotation": GROUPS["rotation"],
+    "u": (6,),
+    "v": (7,),
+    "edges": (8, 9),
+    "calibration": (10,),
+}
+_WORDS = {
+    "translation": "translation",
+    "rotation": "rotation",
+    "u": "pixels along u",
+    "v": "pixels along v",
+    "edges": "edge location",
+    "calibration": "calibration",
+}
+_OPTIONAL = ("u", "v", "edges", "calibration")  # shown where the camera has them
 _STEPS = {"sampled": "Candidates", "reach": "Reaching more", "surer": "Surer", "fewer": "Fewer"}
 
 
@@ -41,16 +56,18 @@ def refinement_section(plan: Plan) -> str:
 
 def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
     """What causes the uncertainty of each dimension, and how sure it would be without."""
-    rows = [_budget_row(d, budgets[d.id]) for d in _least_sure_first(plan) if d.id in budgets]
-    if not rows:
+    if not budgets:
         return ""
+    names = [n for n in _PARTS if n not in _OPTIONAL or any(b.share[list(_PARTS[n])].any() for b in budgets.values())]
+    rows = [_budget_row(d, budgets[d.id], names) for d in _least_sure_first(plan) if d.id in budgets]
+    pixels_alone = not {"edges", "calibration"} & set(names)
     head = [
         ("Dimension", ""),
         ("u / mm", "num"),
         ("Shares of the variance", "share"),
-        *((_WORDS[name].capitalize(), "num") for name in _PARTS),
+        *((_WORDS[name].capitalize(), "num") for name in names),
         ("Probability", "num"),
-        ("without pixels", "num"),
+        ("without pixels" if pixels_alone else "without camera errors", "num"),
         ("without translation", "num"),
         ("without rotation", "num"),
     ]
@@ -58,16 +75,16 @@ def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
         "First order, at the setting that measures the dimension (at the best one tried where none does). A negative "
         "share: errors that offset others. A cell's pointer text has the single sources."
     )
-    return _section("Error budget", hint, _legend() + markup_table(head, rows))
+    return _section("Error budget", hint, _legend(names) + markup_table(head, rows))
 
 
-def _legend() -> str:
-    entries = (element("span", class_=f"swatch part-{name}") + element("span", _WORDS[name]) for name in _PARTS)
+def _legend(names: Sequence[str]) -> str:
+    entries = (element("span", class_=f"swatch part-{name}") + element("span", _WORDS[name]) for name in names)
     return element("p", markup=" &ensp; ".join(entries), class_="hint")
 
 
-def _budget_row(dimension: PlannedDimension, budget: ErrorBudget) -> str:
-    shares = {name: float(budget.share[list(sources)].sum()) for name, sources in _PARTS.items()}
+def _budget_row(dimension: PlannedDimension, budget: ErrorBudget, names: Sequence[str]) -> str:
+    shares = {name: float(budget.share[list(_PARTS[name])].sum()) for name in names}
     single = ", ".join(f"{name} {budget.share[k]:.1%}" for k, name in enumerate(SOURCES))
     without = budget.group_probability_without
     cells = [
@@ -76,7 +93,7 @@ def _budget_row(dimension: PlannedDimension, budget: ErrorBudget) -> str:
         element("td", markup=_bar(shares), title=single),
         *(element("td", f"{share:.0%}".replace("-", "−"), class_="num", title=single) for share in shares.values()),
         element("td", probability(float(budget.probability)), class_="num"),
-        *(element("td", probability(float(without[g])), class_="num") for g in ("pixels", "translation", "rotation")),
+        *(element("td", probability(float(without[g])), class_="num") for g in ("camera", "translation", "rotation")),
     ]
     return element("tr", markup="".join(cells), class_=dimension.status)
 

@@ -13,7 +13,7 @@ from typing import Any
 from ..evaluation.budget import ErrorBudget
 from ..evaluation.gauge_figures import GaugeFigures
 from ..evaluation.requirement import Requirement
-from ..geometry.camera import Camera
+from ..geometry import Camera, EdgeLocator
 from ..part.dimension import Part
 from ..planning.result import Plan
 from .budget import budget_section, figures_section, refinement_section
@@ -43,11 +43,23 @@ def _camera_facts(camera: Camera) -> dict[str, str]:
         "Focal length": f"{length(camera.focal_length_mm)} mm",
         "Pixel": f"{pitch} µm",
         "Resolution": f"{columns} x {rows} px",
-        "Edge resolution": f"{camera.edge_resolution_px:g} px",
     }
+    if camera.locator is None:
+        facts["Edge resolution"] = f"{camera.edge_resolution_px:g} px"
+    else:
+        facts["Edge locator"] = _locator_words(camera.locator)
+    if camera.lens is not None:
+        facts["Lens"] = f"{camera.lens.model} distortion"
+    if camera.intrinsics_covariance is not None:
+        facts["Calibration"] = "with its uncertainty"
     if camera.f_number is not None and camera.focus_distance_mm is not None:
         facts["Aperture"] = f"f/{camera.f_number:g}, in focus at {length(camera.focus_distance_mm)} mm"
     return facts
+
+
+def _locator_words(locator: EdgeLocator) -> str:
+    words = f"noise {locator.noise_px:.2g} px, offset {locator.bias_px:.2g} px"
+    return words if locator.edge_points is None else f"{words}, {locator.edge_points} points fitted at each end"
 
 
 def _notes(part: Part, remark: str) -> str:

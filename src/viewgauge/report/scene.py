@@ -130,8 +130,7 @@ def _frustum(setting: PlannedSetting, camera: Camera, depth_mm: float) -> list[P
     """The pyramid seen by the camera, as two closed strokes: its outline and its base."""
     columns, rows = camera.resolution
     corners_px = np.array([[-0.5, -0.5], [columns - 0.5, -0.5], [columns - 0.5, rows - 0.5], [-0.5, rows - 0.5]])
-    image_mm = (corners_px - camera.principal_point) * camera.pixel_pitch_mm
-    rays = np.column_stack([image_mm / camera.focal_length_mm, np.ones(4)]) * depth_mm
+    rays = np.column_stack([camera.from_pixels(corners_px) / camera.focal_length_mm, np.ones(4)]) * depth_mm
     T = setting.T_part_camera
     apex, base = T[:3, 3], rays @ T[:3, :3].T + T[:3, 3]
     return [

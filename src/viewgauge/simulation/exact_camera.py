@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError, invert, transform
+from .camera_draws import CameraDraws, end_deviation_px, measured_images
 
 __all__ = [
     "Estimate",
+    "camera_length_errors",
     "displaced_length_errors",
     "displacements",
     "draw_pose_errors",
@@ -98,6 +100,39 @@ def displaced_length_errors(
     quantization: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """:func:`exact_length_errors` for displacements of the scene: rotations ``(3, 3, n)``, shifts ``(3, n)`` mm."""
+    (u1, v1), (u2, v2) = displaced_images(points, camera, error, displacement)
+    step_u, step_v = camera.quantization_step_mm
+    delta_u, delta_v = u2 - u1 + step_u * quantization[:, 0], v2 - v1 + step_v * quantization[:, 1]
+    return np.asarray(np.sqrt(delta_u * delta_u + delta_v * delta_v) - nominal_length(points, camera))
+
+
+def camera_length_errors(
+    points: NDArray[np.float64],
+    camera: Camera,
+    error: PoseError,
+    displacement: tuple[NDArray[np.float64], NDArray[np.float64]],
+    draws: CameraDraws,
+    end_deviation_px: float,
+) -> NDArray[np.float64]:
+    """:func:`displaced_length_errors` of a camera with a lens, a calibration and a locator, whose errors are drawn.
+
+    Parameters
+    ----------
+    end_deviation_px
+        From :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
+    """
+    images = np.moveaxis(np.array(displaced_images(points, camera, error, displacement)), -1, 0)  # (n, 2, 2)
+    seen = measured_images(images, camera.project(points), camera, draws, end_deviation_px)
+    return np.asarray(np.linalg.norm(seen[:, 1] - seen[:, 0], axis=-1) - nominal_length(points, camera))
+
+
+def displaced_images(
+    points: NDArray[np.float64],
+    camera: Camera,
+    error: PoseError,
+    displacement: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Ideal images u and v ``(n,)``, mm, of both ends, for displacements of the scene."""
     assert error.T_camera_head is not None  # set by PoseError
     orientation, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
     rotation, shift = displacement
@@ -110,10 +145,7 @@ def displaced_length_errors(
         with np.errstate(divide="ignore"):
             magnification = np.where(z > 0, camera.focal_length_mm / z, np.nan)
         images.append((x * magnification, y * magnification))
-    (u1, v1), (u2, v2) = images
-    step_u, step_v = camera.quantization_step_mm
-    delta_u, delta_v = u2 - u1 + step_u * quantization[:, 0], v2 - v1 + step_v * quantization[:, 1]
-    return np.asarray(np.sqrt(delta_u * delta_u + delta_v * delta_v) - nominal_length(points, camera))
+    return images
 
 
 def nominal_length(points: NDArray[np.float64], camera: Camera) -> float:
@@ -152,6 +184,10 @@ def simulate_length_errors(
     if points.shape != (2, 3):
         raise InputError("one segment at a time: start and end are points in front of the camera", got=points.shape)
     twist = rng.standard_normal((draws, 6)) @ error.factor.T
+    if not camera.is_plain:
+        drawn = CameraDraws.of(camera, rng.random((draws, CameraDraws.width(camera))))
+        deviation = end_deviation_px(points, camera, None)
+        return camera_length_errors(points, camera, error, displacements(twist), drawn, deviation)
     located = rng.random((draws, 2, 2)) - 0.5
     return exact_length_errors(points, camera, error, twist, located[:, 1] - located[:, 0])
 

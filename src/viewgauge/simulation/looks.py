@@ -8,7 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError
 from ..geometry.pose_error import covariance_factor
-from .exact_camera import Estimate, displaced_length_errors, displacements, nominal_length, require_points
+from .camera_draws import CameraDraws, end_deviation_px
+from .exact_camera import (
+    Estimate,
+    camera_length_errors,
+    displaced_length_errors,
+    displacements,
+    nominal_length,
+    require_points,
+)
 
 __all__ = ["estimate_averaged_probability", "simulate_mean_errors"]
 
@@ -16,7 +24,12 @@ _DRAWS_PER_BLOCK = 100_000  # bounds the memory of a block to some 50 MB
 
 
 def simulate_mean_errors(
-    points: ArrayLike, camera: Camera, error: PoseError, draws: int, rng: np.random.Generator
+    points: ArrayLike,
+    camera: Camera,
+    error: PoseError,
+    draws: int,
+    rng: np.random.Generator,
+    rim_axis: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """Error of the mean of k looks at one dimension, ``(draws,)`` mm of the dimension.
 
@@ -28,6 +41,8 @@ def simulate_mean_errors(
     ----------
     points
         ``(k, 2, 3)`` mm: both ends of the gauge of each look, in its camera frame.
+    rim_axis
+        ``(k, 3)``, of each look: as of :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
 
     Raises
     ------
@@ -37,13 +52,20 @@ def simulate_mean_errors(
     looks = _require_looks(points)
     common, own = _factors(error)
     rotation, shift = displacements(rng.standard_normal((draws, 6)) @ common.T)
-    total = np.zeros(draws)
-    for ends in looks:
+    total, width = np.zeros(draws), CameraDraws.width(camera)
+    of_camera = CameraDraws.of(camera, rng.random((draws, width))) if not camera.is_plain else None
+    axes = [None] * len(looks) if rim_axis is None else list(rim_axis)
+    for ends, axis in zip(looks, axes, strict=True):
         own_rotation, own_shift = displacements(rng.standard_normal((draws, 6)) @ own.T)
         both = np.einsum("ijn,jkn->ikn", own_rotation, rotation)
         moved = np.einsum("ijn,jn->in", own_rotation, shift) + own_shift
-        located = rng.random((draws, 2, 2)) - 0.5
-        errors = displaced_length_errors(ends, camera, error, (both, moved), located[:, 1] - located[:, 0])
+        if of_camera is None:
+            located = rng.random((draws, 2, 2)) - 0.5
+            errors = displaced_length_errors(ends, camera, error, (both, moved), located[:, 1] - located[:, 0])
+        else:
+            own_draws = CameraDraws.of(camera, rng.random((draws, width))).with_common(of_camera)
+            deviation = end_deviation_px(ends, camera, axis)
+            errors = camera_length_errors(ends, camera, error, (both, moved), own_draws, deviation)
         total += errors * (np.linalg.norm(ends[1] - ends[0]) / nominal_length(ends, camera))
     return total / len(looks)
 
@@ -57,6 +79,7 @@ def estimate_averaged_probability(
     draws: int = 1_000_000,
     confidence: float = 0.999,
     rng: np.random.Generator | int | None = None,
+    rim_axis: NDArray[np.float64] | None = None,
 ) -> Estimate:
     """Pr{|mean of k looks - nominal| <= allowed error} of one dimension, by drawing (points as above)."""
     if not (np.isfinite(allowed_error_mm) and allowed_error_mm >= 0):
@@ -68,7 +91,7 @@ def estimate_averaged_probability(
     generator = np.random.default_rng(rng)
     successes = 0
     for block in range(0, draws, _DRAWS_PER_BLOCK):
-        errors = simulate_mean_errors(points, camera, error, min(_DRAWS_PER_BLOCK, draws - block), generator)
+        errors = simulate_mean_errors(points, camera, error, min(_DRAWS_PER_BLOCK, draws - block), generator, rim_axis)
         with np.errstate(invalid="ignore"):
             successes += int((np.abs(errors) <= allowed_error_mm).sum())
     return Estimate.of(successes, draws, confidence)

@@ -23,7 +23,15 @@ from scipy.special import ndtri, stdtrit
 
 from ..exceptions import InputError
 from ..geometry import Camera, PoseError
-from .exact_camera import Estimate, exact_length_errors, nominal_length, require_points
+from .camera_draws import CameraDraws, end_deviation_px
+from .exact_camera import (
+    Estimate,
+    camera_length_errors,
+    displacements,
+    exact_length_errors,
+    nominal_length,
+    require_points,
+)
 
 __all__ = ["ExactEstimates", "estimate_success_probabilities"]
 
@@ -77,6 +85,7 @@ def estimate_success_probabilities(
     confidence: float = 0.99,
     max_draws: int = 2**22,
     seed: int = 0,
+    rim_axis: ArrayLike | None = None,
 ) -> ExactEstimates:
     """Pr{|measured - nominal| <= T L} of n segments, each with as many draws as the precision needs.
 
@@ -92,6 +101,8 @@ def estimate_success_probabilities(
         Largest half-width of the confidence intervals.
     max_draws
         Most draws for one segment; the interval tells what they attained.
+    rim_axis
+        ``(n, 3)``, camera frame: axes of whole rims of which segments are diameters; zeros for the others.
 
     Raises
     ------
@@ -107,12 +118,14 @@ def estimate_success_probabilities(
         raise InputError("must lie between 0 and 1", key="confidence", got=confidence)
     if max_draws < SCRAMBLES * _FIRST_POINTS:
         raise InputError("too few", key="max_draws", got=max_draws, expected=f"at least {SCRAMBLES * _FIRST_POINTS}")
-    segments = [_Segment(ends, float(t), camera, error) for ends, t in zip(points, tolerance, strict=True)]
-    rank = twist_axes(error).shape[1]
-    quantized = max(camera.quantization_step_mm) > 0
-    if rank == 0 and not quantized:
+    axes = np.zeros((len(points), 3)) if rim_axis is None else np.broadcast_to(rim_axis, (len(points), 3))
+    segments = [
+        _Segment(ends, float(t), camera, error, axis) for ends, t, axis in zip(points, tolerance, axes, strict=True)
+    ]
+    rank, width = twist_axes(error).shape[1], _camera_width(camera)
+    if rank == 0 and width == 0:
         return _without_error(segments)
-    _refine(segments, rank, quantized, precision, confidence, max_draws // SCRAMBLES, seed)
+    _refine(segments, rank, width, precision, confidence, max_draws // SCRAMBLES, seed)
     return ExactEstimates(
         np.array([s.probability for s in segments]),
         np.array([s.low for s in segments]),
@@ -125,7 +138,7 @@ def estimate_success_probabilities(
 def _refine(
     segments: list[_Segment],
     rank: int,
-    quantized: bool,
+    width: int,
     precision: float,
     confidence: float,
     limit: int,
@@ -133,9 +146,9 @@ def _refine(
 ) -> None:
     """Draw for each segment until its interval is as narrow as the precision, or the limit is reached."""
     active = segments
-    for points_each, normals, steps in _draws(rank, quantized, limit, seed):
+    for points_each, normals, of_camera in _draws(rank, width, limit, seed):
         for segment in active:
-            segment.add(normals, steps)
+            segment.add(normals, of_camera)
         if points_each & (points_each - 1) == 0:  # a full power of two: the sequences are balanced
             for segment in active:
                 segment.conclude(confidence)
@@ -158,28 +171,32 @@ def twist_axes(error: PoseError) -> NDArray[np.float64]:
     return factor[:, np.abs(share).max(axis=0) > 1e-7]  # the root of what eigenvalues are rounded to
 
 
+def _camera_width(camera: Camera) -> int:
+    """How many numbers make a draw of the camera's errors: of a plain camera two, the differences of quantization."""
+    return 2 * (max(camera.quantization_step_mm) > 0) if camera.is_plain else CameraDraws.width(camera)
+
+
 def _draws(
-    rank: int, quantized: bool, limit: int, seed: int
+    rank: int, camera_width: int, limit: int, seed: int
 ) -> Iterator[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
-    """Points of each scramble so far, and of the next, scramble by scramble, the normals and the steps ``(n, 2)``."""
+    """Points of each scramble so far, and of the next, scramble by scramble, normals and the camera's uniforms."""
     from scipy.stats import qmc  # late: slow to import, and the first-order prediction does without
 
-    width = rank + 2 * quantized
+    width = rank + camera_width
     engines = [
         qmc.Sobol(width, scramble=True, bits=_SOBOL_BITS, seed=np.random.default_rng((seed, r)))
         for r in range(SCRAMBLES)
     ]
-    # quantization comes after the steepest direction and before the others, which matter least
+    # the camera's errors come after the steepest direction and before the others, which matter least
     split = np.arange(width)
-    of_steps = split[min(1, rank) :][:2] if quantized else split[:0]
-    of_pose = np.setdiff1d(split, of_steps)
+    of_camera = split[min(1, rank) :][:camera_width]
+    of_pose = np.setdiff1d(split, of_camera)
     done, end = 0, 2 ** (limit.bit_length() - 1)
     while done < end:
         count = min(max(done, _FIRST_POINTS), _POINTS_PER_BLOCK, end - done)
         # the middle of each cell: never 0, where a normal would be infinite
         uniform = np.concatenate([engine.random(count) for engine in engines]) + 0.5 ** (_SOBOL_BITS + 1)
-        steps = _triangular(uniform[:, of_steps]) if quantized else np.zeros((len(uniform), 2))
-        yield done + count, ndtri(uniform[:, of_pose]), steps
+        yield done + count, ndtri(uniform[:, of_pose]), uniform[:, of_camera]
         done += count
 
 
@@ -192,23 +209,40 @@ def _without_error(segments: list[_Segment]) -> ExactEstimates:
 class _Segment:
     """What the draws so far say about one segment."""
 
-    def __init__(self, points: NDArray[np.float64], tolerance: float, camera: Camera, error: PoseError) -> None:
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        tolerance: float,
+        camera: Camera,
+        error: PoseError,
+        rim_axis: NDArray[np.float64],
+    ) -> None:
         self.points, self.camera, self.error = points, camera, error
         self.length_mm = nominal_length(points, camera)
         self.allowed_mm = tolerance * self.length_mm
         self.axes = _steepest_first(points, camera, error)
+        self.end_deviation_px = end_deviation_px(points, camera, rim_axis)
         self.right = np.zeros(SCRAMBLES)
         self.relative = 0.0
         self.draws = 0
         self.probability, self.low, self.high = 0.5, 0.0, 1.0
 
-    def add(self, normals: NDArray[np.float64], steps: NDArray[np.float64]) -> None:
-        """Count the successes of ``(n, rank)`` normals and ``(n, 2)`` quantization errors, in steps."""
-        errors = np.abs(exact_length_errors(self.points, self.camera, self.error, normals @ self.axes.T, steps))
+    def add(self, normals: NDArray[np.float64], of_camera: NDArray[np.float64]) -> None:
+        """Count the successes of ``(n, rank)`` normals and the camera's uniforms ``(n, width)``."""
+        errors = np.abs(self._errors(normals @ self.axes.T, of_camera))
         errors[np.isnan(errors)] = np.inf
         self.right += (errors <= self.allowed_mm).reshape(SCRAMBLES, -1).sum(axis=1)
         self.relative += float(np.maximum(self.length_mm - errors, 0.0).sum())
         self.draws += len(errors)
+
+    def _errors(self, twist: NDArray[np.float64], of_camera: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.camera.is_plain:
+            steps = _triangular(of_camera) if of_camera.size else np.zeros((len(twist), 2))
+            return exact_length_errors(self.points, self.camera, self.error, twist, steps)
+        draws = CameraDraws.of(self.camera, of_camera)
+        return camera_length_errors(
+            self.points, self.camera, self.error, displacements(twist), draws, self.end_deviation_px
+        )
 
     @property
     def expected_accuracy(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import VIEWS, Camera
+from ..geometry.lens import distorted
 from ..part.gauge_table import GaugeTable
 from .limits import ObservationLimits
 
@@ -18,6 +19,9 @@ REASONS = ("behind_camera", "out_of_view", "facing_away", "too_short", "out_of_f
 """Names of the observability conditions in the order in which they are tested; the last, empty, is visible."""
 
 _BEHIND, _OUT_OF_VIEW, _FACING_AWAY, _TOO_SHORT, _OUT_OF_FOCUS, OCCLUDED, VISIBLE = range(len(REASONS))
+
+
+_WIDER = 0.002  # of the image: its border may bulge between the points of it that are looked at
 
 
 class Culling:
@@ -35,14 +39,21 @@ class Culling:
         focal, low = camera.focal_length_mm, limits.margin_px - 0.5
         scale = focal / np.asarray(camera.pixel_pitch_mm)
         centre, high = np.asarray(camera.principal_point), np.asarray(camera.resolution) - 0.5 - limits.margin_px
+        corner = (low - centre) / scale, (high - centre) / scale
+        self._lens = camera.lens
+        if camera.lens is not None:  # a rectangle around what the lens shows, and the exact test for what is in it
+            self._in_image = np.array([*corner[0], *corner[1]])
+            border = camera.from_pixels(camera.border_px) / focal
+            slack = _WIDER * np.ptp(border, axis=0)
+            corner = border.min(axis=0) - slack, border.max(axis=0) + slack
         blur = 0.0  # px times depth over distance from the plane in focus
         if camera.f_number is not None and camera.focus_distance_mm is not None:
             blur = focal / camera.f_number * focal / (camera.focus_distance_mm - focal) / min(camera.pixel_pitch_mm)
         # as multiples of the tangents of the image directions: (px - principal point) / scale
         self._parameters = np.array(
             [
-                *((low - centre) / scale),
-                *((high - centre) / scale),
+                *corner[0],
+                *corner[1],
                 *scale,
                 np.sin(limits.grazing_angle_rad),
                 limits.minimum_length_px,
@@ -62,6 +73,8 @@ class Culling:
         """
         reason = np.empty((len(self._points), VIEWS), np.int8)
         _reasons(views, count, self._points, self._normals, self._normal_count, self._parameters, reason)
+        if self._lens is not None:
+            _outside_lens(views, count, self._points, self._lens.parameters, self._in_image, reason)
         return reason
 
 
@@ -124,3 +137,36 @@ def _reasons(views, count, points, normals, normal_count, parameters, reason):  
             code = code if faces else _FACING_AWAY
             code = code if inside else _OUT_OF_VIEW
             codes[s] = code if (Z1 > 0.0) & (Z2 > 0.0) else _BEHIND
+
+
+@numba.njit(
+    "void(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], int8[:,::1])",
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def _outside_lens(views, count, points, lens, inside, reason):  # type: ignore[no-untyped-def]
+    """Of what is in front and in the rectangle, what the lens shows outside the image."""
+    for g in range(len(points)):
+        for s in range(count):
+            if reason[g, s] == _BEHIND or reason[g, s] == _OUT_OF_VIEW:
+                continue
+            for end in range(2):
+                x, y, z = points[g, end, 0], points[g, end, 1], points[g, end, 2]
+                X = views[s] * x + views[VIEWS + s] * y + views[2 * VIEWS + s] * z + views[9 * VIEWS + s]
+                Y = (
+                    views[3 * VIEWS + s] * x
+                    + views[4 * VIEWS + s] * y
+                    + views[5 * VIEWS + s] * z
+                    + views[10 * VIEWS + s]
+                )
+                Z = (
+                    views[6 * VIEWS + s] * x
+                    + views[7 * VIEWS + s] * y
+                    + views[8 * VIEWS + s] * z
+                    + views[11 * VIEWS + s]
+                )
+                u, v, a, b, c, d = distorted(lens, X / Z, Y / Z)
+                folded = not (a * d - b * c > 0.0 and a + d > 0.0)
+                if folded or not (inside[0] <= u <= inside[2] and inside[1] <= v <= inside[3]):
+                    reason[g, s] = _OUT_OF_VIEW

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..evaluation import GaugeFigures, gauge_figures, image_segment, spread_mm
 from ..evaluation.budget import ErrorBudget, averaged_error_budget, error_budget
 from ..evaluation.capability import SIGMAS
 from ..geometry import invert, transform
+from ..part import Dimension
+from ..part.dimension import rim_axes
 from ..planning import Plan, PlannedDimension
 from .inspection import Inspection
 
@@ -31,16 +34,21 @@ def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
     :class:`~viewgauge.evaluation.budget.ErrorBudget` states without leading axes.
     """
     camera, head = inspection.camera, inspection.head
+    of_part = {dimension.id: dimension for dimension in inspection.part.dimensions}
     poses = {setting.id: setting.T_part_camera for setting in plan.settings}
     found = {}
     for dimension in plan.dimensions:
         if dimension.looks:
             points = np.array([transform(invert(poses[look.setting]), look.gauge) for look in dimension.looks])
-            found[dimension.id] = averaged_error_budget(points, camera, head, dimension.allowed_error_mm)
+            axes = np.array(
+                [_rim_axis(of_part[dimension.id], look.gauge, poses[look.setting]) for look in dimension.looks]
+            )
+            found[dimension.id] = averaged_error_budget(points, camera, head, dimension.allowed_error_mm, axes)
         elif dimension.T_part_camera is not None and dimension.gauge is not None:
             start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
             tolerance = dimension.allowed_error_mm / float(np.linalg.norm(end - start))
-            found[dimension.id] = error_budget(start, end, camera, head, tolerance)
+            axis = _rim_axis(of_part[dimension.id], dimension.gauge, dimension.T_part_camera)
+            found[dimension.id] = error_budget(start, end, camera, head, tolerance, axis)
     return found
 
 
@@ -60,7 +68,9 @@ def _spread_mm(inspection: Inspection, dimension: PlannedDimension) -> float:
     """Half the width of the interval that stands for the spread of the errors of one look."""
     assert dimension.T_part_camera is not None and dimension.gauge is not None  # noqa: PT018  # it has a budget
     start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
-    image = image_segment(start, end, inspection.camera, inspection.head)
+    of_part = {d.id: d for d in inspection.part.dimensions}[dimension.id]
+    axis = _rim_axis(of_part, dimension.gauge, dimension.T_part_camera)
+    image = image_segment(start, end, inspection.camera, inspection.head, rim_axis=axis)
     angle = float(image.angle_rad)
     px_per_mm = np.linalg.norm(np.array([np.cos(angle), np.sin(angle)]) / np.asarray(inspection.camera.pixel_pitch_mm))
     return spread_mm(
@@ -70,4 +80,12 @@ def _spread_mm(inspection: Inspection, dimension: PlannedDimension) -> float:
         float(np.linalg.norm(end - start)),
         inspection.camera,
         getattr(inspection.requirement, "sigmas", SIGMAS),
+        float(np.sqrt(image.sigma_camera_mm**2 + (image.camera.half_widths_mm**2).sum() / 6) * px_per_mm),
     )
+
+
+def _rim_axis(
+    dimension: Dimension, gauge: NDArray[np.float64], T_part_camera: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """``(3,)``, camera frame: the axis of the rim that a gauge ``(2, 3)`` is a diameter of; zeros where of none."""
+    return np.asarray(rim_axes([dimension.gauge_at(gauge)], T_part_camera[None])[0])

@@ -16,6 +16,7 @@ from ..evaluation.segment import FirstOrderMethod
 from ..exceptions import InputError, NoCandidateError
 from ..geometry import Camera, PoseError, invert, transform
 from ..part import Dimension, Mesh
+from ..part.dimension import rim_axes
 from ..part.gauge_table import GaugeTable
 from ..planning import CandidateGrid, Undominated, probability_levels
 from ..visibility import ObservationLimits
@@ -280,4 +281,5 @@ def simulate_pairs(
         precision=precision,
         confidence=CONFIDENCE,
         seed=seed,
+        rim_axis=rim_axes(gauges, poses[setting]),
     )

@@ -52,7 +52,7 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
     poses = np.concatenate([source.poses(0, len(source)), np.array(found).reshape(-1, 4, 4)])
     setup = SetUp(inspection.camera, inspection.head, _distance_range(inspection))
     evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, source))
-    without = evaluator.with_errors(replace(setup.camera, edge_resolution_px=0.0), scaled_head(setup.head, 0.0, 0.0))
+    without = evaluator.with_errors(setup.camera.without_errors, scaled_head(setup.head, 0.0, 0.0))
     possible = np.asarray(meeting(without, poses).any(axis=0))
     today = evaluator.probabilities(poses).max(axis=0)
     met = np.asarray(meeting(evaluator, poses).any(axis=0))

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..evaluation import Looks
 from ..geometry import invert, transform
+from ..part.dimension import rim_axes
 from ..planning.look_search import LookCandidates
 from ..planning.look_shortlist import LookShortlist, look_scores
 from ..planning.looks import LookedDimension, plan_looks
@@ -72,8 +73,8 @@ def looks_chunk(job: EvaluationJob, chunk: Chunk) -> LookShortlist:
 def _shortlisted(job: EvaluationJob, index: NDArray[np.int64], poses: NDArray[np.float64]) -> LookShortlist:
     table = evaluator_of(job).table(poses)
     row, dimension = np.nonzero(table.visible)
-    points = _seen(job, poses[row], dimension, table.gauge[row, dimension])
-    return LookShortlist.of(index[row], dimension, look_scores(Looks.of(points, job.camera, job.head)))
+    looks = _looks(job, poses[row], dimension, table.gauge[row, dimension])
+    return LookShortlist.of(index[row], dimension, look_scores(looks))
 
 
 def add_looks(job: EvaluationJob, shortlist: LookShortlist, planned: Sequence[int], most: int, seed: int) -> AddedLooks:
@@ -122,9 +123,9 @@ def _candidates(job: EvaluationJob, shortlist: LookShortlist, planned: ArrayLike
         gauge = table.gauge[row, dimension].astype(np.int64)
         points = _seen(job, poses[row], np.full(len(row), dimension), gauge)
         image = job.camera.to_pixels(job.camera.project(points))
-        looks = Looks.of(points, job.camera, job.head)
+        looks = _looks(job, poses[row], np.full(len(row), dimension), gauge)
         own = np.append(shortlist.setting[shortlist.dimension == dimension], planned)
-        good, step = np.isin(index[row], own), job.camera.edge_resolution_px
+        good, step = np.isin(index[row], own), 0.0 if job.camera.locator else job.camera.edge_resolution_px
         candidates.append(LookCandidates(index[row], gauge, looks, image, step, allowed, good))
     return candidates
 
@@ -134,6 +135,13 @@ def _seen(
 ) -> NDArray[np.float64]:
     """``(n, 2, 3)`` mm: ends of gauges in the camera frames of n poses."""
     return transform(invert(poses)[:, None], _gauges(job, dimension, gauge))
+
+
+def _looks(
+    job: EvaluationJob, poses: NDArray[np.float64], dimension: NDArray[np.int64], gauge: NDArray[np.integer]
+) -> Looks:
+    chosen = [job.dimensions[j].gauges[g] for j, g in zip(dimension, gauge, strict=True)]
+    return Looks.of(_seen(job, poses, dimension, gauge), job.camera, job.head, rim_axes(chosen, poses))
 
 
 def _gauges(job: EvaluationJob, dimension: NDArray[np.int64], gauge: NDArray[np.integer]) -> NDArray[np.float64]:
@@ -151,9 +159,13 @@ def _confirmed(job: EvaluationJob, looked: LookedDimension, seed: int) -> float:
     from ..simulation import estimate_averaged_probability
 
     dimension = np.full(len(looked.settings), looked.dimension)
-    points = _seen(job, _poses(job, looked.settings), dimension, np.array(looked.gauges))
+    poses = _poses(job, looked.settings)
+    points = _seen(job, poses, dimension, np.array(looked.gauges))
+    axes = rim_axes([job.dimensions[looked.dimension].gauges[g] for g in looked.gauges], poses)
     allowed = float(evaluator_of(job).allowed_error_mm[looked.dimension])
-    estimate = estimate_averaged_probability(points, job.camera, job.head, allowed, draws=_DRAWS, rng=seed)
+    estimate = estimate_averaged_probability(
+        points, job.camera, job.head, allowed, draws=_DRAWS, rng=seed, rim_axis=axes
+    )
     return looked.probability if looked.probability <= estimate.high else estimate.probability
 
 

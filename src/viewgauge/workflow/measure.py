@@ -115,10 +115,10 @@ def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGa
     """The gauge of the inspection's part that a plan measures."""
     for dimension in inspection.part.dimensions:
         if dimension.id == planned.dimension:
-            for gauge in dimension.gauges:
-                if np.allclose(np.stack([gauge.start, gauge.end]), planned.gauge, atol=1e-6):
-                    normals = (gauge.start_normals, gauge.end_normals)
-                    return ExpectedGauge(planned.gauge, normals, bent=dimension.kind == "diameter")
+            gauge = dimension.gauge_at(planned.gauge)
+            if gauge is not None:
+                normals = (gauge.start_normals, gauge.end_normals)
+                return ExpectedGauge(planned.gauge, normals, bent=dimension.kind == "diameter")
     raise InputError(
         "the plan is of another part, or of other dimensions",
         key=planned.dimension,

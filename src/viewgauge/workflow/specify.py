@@ -79,7 +79,8 @@ def _choice(
     focal_length_mm: float,
 ) -> CameraChoice | None:
     pitch = (sensor.pixel_pitch_mm, sensor.pixel_pitch_mm)
-    camera = Camera(focal_length_mm, pitch, sensor.resolution, inspection.camera.edge_resolution_px)
+    today = inspection.camera
+    camera = Camera(focal_length_mm, pitch, sensor.resolution, today.edge_resolution_px, locator=today.locator)
     points = GaugeTable.of(dimensions).points.reshape(-1, 3)
     distance = inspection.candidates.distance_mm or default_distance_range(points, camera)
     options = replace(inspection.candidates, distance_mm=distance)
@@ -95,5 +96,5 @@ def _choice(
         None if head.factor is None or not knob.today(setup) else head.factor * knob.today(setup)
         for knob in (KNOBS["translation"], KNOBS["rotation"])
     )
-    pixel = settled_change(of_camera, poses, setup, KNOBS["pixel"]) if camera.edge_resolution_px > 0 else None
+    pixel = settled_change(of_camera, poses, setup, KNOBS["pixel"]) if KNOBS["pixel"].today(setup) > 0 else None
     return CameraChoice(sensor, focal_length_mm, distance, met, head, translation, rotation, pixel)

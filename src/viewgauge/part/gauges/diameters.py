@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..brep import Callout, Reference
-from .arcs import circle_of, evenly, opposite_angles
+from ..brep import Callout, Edge, Reference
+from .arcs import Circle, circle_of, evenly, opposite_angles
 from .axis_distances import rims_of
 from .coincidence import same_axis, same_circle, same_radius
 from .grouping import connected_groups
@@ -19,6 +19,7 @@ from .selection import Candidate, select
 __all__ = ["diameters"]
 
 _ORIENTATIONS = 6  # of the chords of one rim, over half a turn
+_GAP_RAD = 1e-3  # of a rim that counts as whole
 _ORDER_DECIMALS = 3  # mm: features whose positions agree that closely are ordered by the next coordinate
 
 
@@ -137,12 +138,20 @@ def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> lis
     """Chords of one circle at angles where both ends lie on its arcs."""
     edges = [outline.brep.edges[arc] for arc in arcs]
     circle = replace(circle_of(edges[0]), radius_mm=diameter_mm / 2)
+    whole = any(edge.closed for edge in edges) or bool(np.sum([_turn(circle, e) for e in edges]) > 2 * np.pi - _GAP_RAD)
+    rim_axis = np.cross(circle.x, circle.y) if whole and not any(map(outline.is_concave, arcs)) else None
     candidates = []
     for angle in evenly(opposite_angles(circle, edges), _ORIENTATIONS):
         i, j = (arcs[circle.arc_at(edges, turned)] for turned in (angle, angle + np.pi))
         gauge = outline.gauge(i, circle.point(angle), j, circle.point(angle + np.pi))
+        gauge = replace(gauge, rim_axis=rim_axis)
         shared = set(outline.brep.edges[i].faces) & set(outline.brep.edges[j].faces)
         concave = outline.is_concave(i) or outline.is_concave(j)
         on_flat_face = any(outline.brep.faces[face].kind == "plane" for face in shared)
         candidates.append(Candidate(gauge, on_flat_face, concave, False, False, 0, diameter_mm))
     return candidates
+
+
+def _turn(circle: Circle, arc: Edge) -> float:
+    """Angle over which an arc goes round, rad."""
+    return float(np.ptp(np.unwrap(circle.angle(arc.points))))

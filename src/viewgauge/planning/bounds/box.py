@@ -86,7 +86,8 @@ def _middle(alpha, beta, phi, k, w, length, R, view, out):  # type: ignore[no-un
         R[3, 3] * j[3] + R[3, 4] * j[4],
         R[4, 4] * j[4],
     )
-    out[8] = math.sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] + r[4] * r[4])
+    camera = view[12] / L
+    out[8] = math.sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] + r[4] * r[4] + camera * camera)
     out[9], out[10] = view[9] * abs(c) / L, view[10] * abs(s) / L
     out[11] = math.sqrt(1.0 + beta * beta + (alpha - 0.5 * L) ** 2) / w1
     out[12] = math.sqrt(1.0 + beta * beta + (alpha + 0.5 * L) ** 2) / w2
@@ -217,7 +218,7 @@ def _box(box, shortest, longest, R, view, out):  # type: ignore[no-untyped-def]
     v0, v1 = _times(b0, b1, Qn0, Qn1)
     d_f = _largest(t0 - 2.0 * u1 - v1, t1 - 2.0 * u0 - v0) * fr
     sigma = max(sigma, size - d_w - d_k - d_a - d_b - d_f)
-    out[0] = max(sigma * (1.0 - _SAFE) - 1e-9 * size, 0.0)
+    out[0] = math.hypot(max(sigma * (1.0 - _SAFE) - 1e-9 * size, 0.0), view[12] / L1 * (1.0 - _SAFE))
     # quantization: the least of the larger half-width and of the sum of both
     su, sv = view[9], view[10]
     A0, A1, B0, B1 = su * abs(math.cos(f0)), su * abs(math.cos(f1)), sv * math.sin(f0), sv * math.sin(f1)
@@ -266,8 +267,9 @@ def box_bounds(boxes, shortest, longest, R, view, out, axis):  # type: ignore[no
         ``(5, 5)`` upper triangular, ``R^T R`` the covariance of the first five of [x, y, z, rx, ry, rz] at the centre
         of projection, camera frame, mm and rad (a turn about the optical axis changes no length).
     view
-        ``(12,)``: least u, v and largest u, v of an end, tangents; least and largest depth, mm; px per tangent along
-        u and v and the least image length, px; quantization steps along u and v, tangents; the largest tangent.
+        ``(13,)``: least u, v and largest u, v of an end, tangents; least and largest depth, mm; px per tangent along
+        u and v and the least image length, px; quantization steps along u and v, tangents; the largest tangent; the
+        least standard deviation of the image length by edge location, tangents.
     out, axis
         ``(n, 13)`` (:data:`OUT`) and ``(n,)``, written: the values, and the axis to split (-1: infeasible).
     """

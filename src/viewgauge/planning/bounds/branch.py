@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import line_end_variance
 from ...errors.closed_form_array import central_probability_into
 from ...geometry import Camera, PoseError
 from ...visibility import ObservationLimits
@@ -77,6 +78,7 @@ def probability_bound(
     *,
     target: float,
     budget: Budget = DEFAULT_BUDGET,
+    rims: bool = False,
 ) -> Bound:
     """Upper bound of Pr{|error| <= T L} over all poses from which the ends have reachable distances.
 
@@ -92,8 +94,10 @@ def probability_bound(
     target
         The required probability: a search that has met a way to lie that reaches it ends, since no bound below it
         exists then.
+    rims
+        Whole rims may be fitted in place of two ends.
     """
-    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits)
+    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits, rims)
     if not search.possible:
         return Bound(0.0, 0.0, 0, None)
     dropped = 0.0  # highest bound of what was put aside as near enough
@@ -118,9 +122,10 @@ def acceptable_distances(
     *,
     required: float,
     budget: Budget = DEFAULT_BUDGET,
+    rims: bool = False,
 ) -> DistanceGrid:
     """The pairs of reachable distances at which the required probability is not excluded."""
-    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits)
+    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits, rims)
     accepted = DistanceGrid(reachable.shortest_mm, reachable.longest_mm, len(reachable.cells))
     while search.possible and len(search.boxes):
         rectangles = accepted.rectangles(search.distances)
@@ -147,11 +152,12 @@ class _Search:
         camera: Camera,
         error: PoseError,
         limits: ObservationLimits,
+        rims: bool,
     ) -> None:
         self._length, self._tolerance, self._reachable = length_mm, relative_tolerance, reachable
         factor = (error.adjoint @ error.factor)[:AXES]
         self._R = np.ascontiguousarray(np.linalg.qr(factor.T, mode="r"))
-        self._view = _view(camera, limits)
+        self._view = _view(camera, limits, rims)
         self.looked_into, self.found = 0, 0.0
         self.at: tuple[float, ...] | None = None
         self._empty()
@@ -251,15 +257,25 @@ class _Search:
 
 def widest_tangent(camera: Camera, limits: ObservationLimits) -> float:
     """Tangent of the largest angle from the optical axis at which an end of a gauge may be seen."""
-    return float(_view(camera, limits)[11])
+    return float(_view(camera, limits, False)[11])
 
 
-def _view(camera: Camera, limits: ObservationLimits) -> NDArray[np.float64]:
-    """What :func:`box_bounds` knows of the camera; the same limits as :class:`~viewgauge.visibility.Culling`'s."""
+def _view(camera: Camera, limits: ObservationLimits, rims: bool) -> NDArray[np.float64]:
+    """What :func:`box_bounds` knows of the camera; the same limits as :class:`~viewgauge.visibility.Culling`'s.
+
+    A lens widens the image to a rectangle around all that it shows, and the camera's errors count by the least that
+    they are anywhere in it; those of the calibration, which may vanish, not at all.
+    """
     focal, low = camera.focal_length_mm, limits.margin_px - 0.5
     scale = focal / np.asarray(camera.pixel_pitch_mm)
     centre, high = np.asarray(camera.principal_point), np.asarray(camera.resolution) - 0.5 - limits.margin_px
     corner = np.array([(low - centre) / scale, (high - centre) / scale])
+    least, steps = 1.0, np.asarray(camera.quantization_step_mm) / focal
+    if camera.lens is not None:
+        border = camera.from_pixels(camera.border_px) / focal
+        slack = _SLACK * np.ptp(border, axis=0)
+        corner = np.array([border.min(axis=0) - slack, border.max(axis=0) + slack])
+        least, steps = _least_by_lens(camera, steps)
     nearest, farthest = 0.0, math.inf
     if camera.f_number is not None and camera.focus_distance_mm is not None:
         focus = camera.focus_distance_mm
@@ -269,5 +285,43 @@ def _view(camera: Camera, limits: ObservationLimits) -> NDArray[np.float64]:
         if blur > camera.blur_limit_px:
             farthest = blur * focus / (blur - camera.blur_limit_px) * (1 + 1e-9)
     widest = float(np.hypot(*np.abs(corner).max(axis=0)))
-    steps = np.asarray(camera.quantization_step_mm) / focal
-    return np.array([*corner[0], *corner[1], nearest, farthest, *scale, limits.minimum_length_px, *steps, widest])
+    floor = least * float(camera.pitch_tangents.min()) * _least_location_px(camera, rims)
+    return np.array(
+        [*corner[0], *corner[1], nearest, farthest, *scale, limits.minimum_length_px, *steps, widest, floor]
+    )
+
+
+_SLACK = 0.01  # of the image: what the lens does between the points that are looked at
+_GRID = 65
+
+
+def _least_by_lens(camera: Camera, steps: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    """By how much an error in the pixels counts at least in the ideal image, and the quantization steps for it.
+
+    With ``E = D^-1`` the derivative of undistorting and n the image's direction, ``|n E|`` is at least the least
+    singular value of E; and of the half-widths ``r_u |n E e_u|``, ``r_v |n E e_v|`` neither the larger nor the sum is
+    less than ``1 - sqrt(2) |E - I| r_max/r_min`` times what it is without a lens.
+    """
+    columns, rows = camera.resolution
+    u, v = np.meshgrid(np.linspace(-0.5, columns - 0.5, _GRID), np.linspace(-0.5, rows - 0.5, _GRID))
+    assert camera.lens is not None
+    D = camera.lens.jacobian(camera.from_pixels(np.stack([u, v], axis=-1)) / camera.focal_length_mm)
+    E = np.linalg.inv(D)
+    least = float(np.linalg.svd(E, compute_uv=False)[..., -1].min()) * (1 - _SLACK)
+    off = float(np.linalg.svd(E - np.eye(2), compute_uv=False)[..., 0].max()) * (1 + _SLACK)
+    if not steps.any():
+        return least, steps
+    return least, steps * max(1 - math.sqrt(2) * off * float(steps.max() / steps.min()), 0.0)
+
+
+def _least_location_px(camera: Camera, rims: bool) -> float:
+    """The least standard deviation, px, of the difference of two ends by a sub-pixel locator."""
+    locator = camera.locator
+    if locator is None:
+        return 0.0
+    own = 2 * locator.noise_px**2
+    if locator.edge_points is not None:
+        own *= line_end_variance(locator.edge_points, locator.clear_of_corner_px)
+        if rims:  # a rim is not longer than pi times the diagonal of the image, nor its fit better than 6/n
+            own = min(own, 6 * locator.noise_px**2 / (math.pi * math.hypot(*camera.resolution)))
+    return math.sqrt(own + (2 * locator.bias_px) ** 2)

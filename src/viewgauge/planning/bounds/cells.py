@@ -71,6 +71,7 @@ class CellSets:
                 limits,
                 required=requirement.probability,
                 budget=_BUDGET_OF_A_LENGTH,
+                rims=bool(gauges.rim_axis[members].any()),
             )
             self._groups.append((members, accepted))
 

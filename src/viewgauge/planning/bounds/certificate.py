@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -79,7 +79,7 @@ def certify(
     for group in gauge_groups(gauges.length_mm, np.full(len(gauges), allowed)):
         distances = reachable_distances(gauges.points[group[0]], gauges.normals[group[0]], region, limits)
         if not distances.empty:
-            reach.append((group, distances))
+            reach.append((group, distances, bool(gauges.rim_axis[group[0]].any())))
     required = requirement.probability
     if not reach:
         cause = "from no allowed camera position are faces at both ends of a gauge turned to the camera"
@@ -89,7 +89,7 @@ def certify(
         cause = "in no allowed pose are both ends of a gauge in the image, in focus and far enough apart"
         return Certificate(dimension.id, 0.0, True, cause)
     if bound.proves_below(required):
-        ideal_locator, no_error = replace(camera, edge_resolution_px=0.0), PoseError(np.zeros((6, 6)))
+        ideal_locator, no_error = camera.without_errors, PoseError(np.zeros((6, 6)))
         pose = _over_all(reach, ideal_locator, error, limits, required, budget)
         pixels = _over_all(reach, camera, no_error, limits, required, budget)
         return Certificate(dimension.id, bound.upper, True, _cause(pose, pixels, required))
@@ -97,7 +97,7 @@ def certify(
 
 
 def _over_all(
-    reach: Sequence[tuple[GaugeGroup, DistanceGrid]],
+    reach: Sequence[tuple[GaugeGroup, DistanceGrid, bool]],
     camera: Camera,
     error: PoseError,
     limits: ObservationLimits,
@@ -106,8 +106,10 @@ def _over_all(
 ) -> Bound:
     """The highest bound of several groups of gauges."""
     bounds = [
-        probability_bound(length, tolerance, distances, camera, error, limits, target=required, budget=budget)
-        for (_, length, tolerance), distances in reach
+        probability_bound(
+            length, tolerance, distances, camera, error, limits, target=required, budget=budget, rims=rims
+        )
+        for (_, length, tolerance), distances, rims in reach
     ]
     best = max(bounds, key=lambda bound: bound.found)
     return Bound(max(b.upper for b in bounds), best.found, sum(b.boxes for b in bounds), best.at)

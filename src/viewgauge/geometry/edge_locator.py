@@ -1,0 +1,44 @@
+"""What finds edges in an image, and how well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..exceptions import InputError
+
+__all__ = ["EdgeLocator"]
+
+
+@dataclass(frozen=True)
+class EdgeLocator:
+    """A sub-pixel edge locator, in place of the paper's whole-pixel one.
+
+    Parameters
+    ----------
+    noise_px
+        Standard deviation of one edge point, across the edge, px
+        (:func:`~viewgauge.errors.edge_point_deviation` from signal to noise and blur).
+    bias_px
+        Standard uncertainty of an offset, px, by which all edges of a bright part lie further out or further in than
+        they seem (exposure, blooming, focus): the same for both ends and at every look.
+    edge_points
+        So many edge points, one px apart, are fitted by a line at each end of a gauge, and the whole rim of a hole or
+        boss by an ellipse; None where single edge points are picked.
+    clear_of_corner_px
+        Between the end of a gauge and the first point that is fitted, px.
+    """
+
+    noise_px: float
+    bias_px: float = 0.0
+    edge_points: int | None = None
+    clear_of_corner_px: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("noise_px", "bias_px", "clear_of_corner_px"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise InputError("must be finite and not negative", key=name, got=value)
+        if self.edge_points is not None and self.edge_points < 2:
+            raise InputError("must be at least 2, for a line", key="edge_points", got=self.edge_points)
