@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         SettingsFileError,
         ViewgaugeError,
     )
-    from .geometry import Camera, PoseError
+    from .geometry import Camera, EdgeLocator, Lens, PoseError
     from .planning import CandidateOptions, Plan
     from .workflow import (
         Evaluation,
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "errors": "",
-    **dict.fromkeys(("Camera", "PoseError"), "geometry"),
+    **dict.fromkeys(("Camera", "EdgeLocator", "Lens", "PoseError"), "geometry"),
     "Requirement": "evaluation",
     **dict.fromkeys(("CandidateOptions", "Plan"), "planning"),
     **dict.fromkeys(
@@ -87,10 +87,12 @@ _HOME = {
 __all__ = [
     "Camera",
     "CandidateOptions",
+    "EdgeLocator",
     "Evaluation",
     "InputError",
     "Inspection",
     "InspectionFileError",
+    "Lens",
     "NoCandidateError",
     "PartFileError",
     "Plan",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -18,9 +19,10 @@ from ..measurement.head_character import small_sample_factor
 from ..part.dimension import Observed
 from ..planning.options import CandidateOptions
 from ..visibility.limits import ObservationLimits
+from .camera_file import CameraFile, read_camera_file
+from .camera_schema import CalibratedCameraSection, CameraSection, LocatorSection, UncertaintySection
 from .covariance_file import CovarianceFile, read_covariance
 from .inspection_schema import (
-    CameraSection,
     CandidatesSection,
     ConeSection,
     DimensionSection,
@@ -74,6 +76,8 @@ class DimensionEntry:
 
 
 _Place = TypeVar("_Place", BoxSection, HemisphereSection)
+_File = TypeVar("_File", CameraFile, CovarianceFile)
+_Apart = TypeVar("_Apart", UncertaintySection, LocatorSection)
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,8 @@ class InspectionFile:
         Where the covariance of ``head`` was read from; None where the file states standard deviations.
     common_covariance_file
         The same for ``head.common``.
+    calibration_file
+        Where the camera's calibration was read from; None where the file states it.
     looks
         From how many settings a dimension may be measured and averaged; 1 where the file does not allow several.
     """
@@ -115,6 +121,7 @@ class InspectionFile:
     limits: ObservationLimits
     seed: int
     common_covariance_file: Path | None = None
+    calibration_file: Path | None = None
     looks: int = 1
 
 
@@ -165,6 +172,7 @@ class _Reader:
             limits=limits,
             seed=top.seed,
             common_covariance_file=self._path(stated["common"].get("covariance")) if "common" in stated else None,
+            calibration_file=self._path(cast(dict[str, Any], self.sections["camera"]).get("calibration")),
             looks=looks,
         )
 
@@ -184,8 +192,33 @@ class _Reader:
     def _camera(self) -> Camera | None:
         if "camera" not in self.sections:
             return None
-        section = validate(CameraSection, self.sections["camera"], ("camera",), self.problems)
-        return build(section.build, ("camera",), self.problems) if section else None
+        where = ("camera",)
+        uncertainty = self._apart("calibration_uncertainty", UncertaintySection)
+        of_locator = self._apart("locator", LocatorSection)
+        locator = build(of_locator.build, (*where, "locator"), self.problems) if of_locator else None
+        unread = len(self.problems.found)
+        value = self.sections["camera"]
+        make: Callable[..., Camera]
+        if isinstance(value, dict) and "calibration" in value:
+            calibrated = validate(CalibratedCameraSection, value, where, self.problems)
+            if calibrated is None:
+                return None
+            path, name = self.path.parent / calibrated.calibration, calibrated.calibration_camera
+            file = self._file(read_camera_file, path, (*where, "calibration"), name)
+            if file is None:
+                return None
+            make = partial(calibrated.build, file)
+        else:
+            section = validate(CameraSection, value, where, self.problems)
+            if section is None:
+                return None
+            make = section.build
+        return build(make, where, self.problems, uncertainty, locator) if len(self.problems.found) == unread else None
+
+    def _apart(self, name: str, model: type[_Apart]) -> _Apart | None:
+        """A part of the camera section as its model; None where it is not stated, or not as it must be."""
+        value = self._below("camera", name)
+        return None if value is None else validate(model, value, ("camera", name), self.problems)
 
     def _requirement(self) -> Requirement | None:
         if "requirement" not in self.sections:
@@ -267,7 +300,7 @@ class _Reader:
         if section.covariance is None:
             return section.from_deviations()
         where = (*where, "covariance")
-        file = self._covariance(self.path.parent / section.covariance, where)
+        file = self._file(read_covariance, self.path.parent / section.covariance, where)
         checked = None if file is None else build(PoseError, where, self.problems, file.covariance)
         if file is None or checked is None:
             return None
@@ -275,9 +308,10 @@ class _Reader:
             return checked.covariance
         return np.asarray(checked.covariance * small_sample_factor(file.degrees_of_freedom, probability) ** 2)
 
-    def _covariance(self, path: Path, where: KeyPath) -> CovarianceFile | None:
+    def _file(self, read: Callable[..., _File], path: Path, where: KeyPath, *arguments: Any) -> _File | None:
+        """What another file holds; None, and the reason in the problems, where it cannot be read."""
         try:
-            return read_covariance(path)
+            return read(path, *arguments)
         except InspectionFileError as error:
             if Path(path).is_file():
                 self.problems.found.append(error)

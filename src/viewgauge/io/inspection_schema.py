@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
 from ..exceptions import InputError
-from ..geometry import Camera, PoseError, pose_from_quaternion
+from ..geometry import PoseError, pose_from_quaternion
 from ..part.dimension import Observed
 from ..planning.options import CandidateOptions
 from ..visibility.limits import ObservationLimits
@@ -20,19 +20,26 @@ from .units import ANGLE, LENGTH, PIXELS, RATIO, Kind, Sign, parse_quantities, p
 
 __all__ = [
     "AnyLength",
-    "CameraSection",
     "CandidatesSection",
     "ConeSection",
     "DimensionSection",
     "ErrorSection",
+    "FNumber",
     "HeadSection",
     "InspectionSections",
     "Length",
     "LooksSection",
+    "Name",
     "ObservationSection",
     "PartSection",
+    "Pitch",
+    "PixelPair",
+    "Pixels",
+    "PixelsOrZero",
+    "PixelsOrZeros",
     "PoseSection",
     "Ratio",
+    "Resolution",
     "Section",
 ]
 
@@ -115,6 +122,9 @@ Pixels = Annotated[float, _one(PIXELS, "positive")]
 PixelsOrZero = Annotated[float, _one(PIXELS, "not negative")]
 Ratio = Annotated[float, _one(RATIO, "positive")]
 Point = Annotated[tuple[float, float, float], _several(LENGTH, (3,), "any")]
+PixelsOrZeros = Annotated[tuple[float, ...], _several(PIXELS, (1, 2), "not negative")]
+Resolution = Annotated[tuple[int, int], BeforeValidator(_read_resolution)]
+FNumber = Annotated[float, BeforeValidator(_read_f_number)]
 PixelPair = Annotated[tuple[float, float], _several(PIXELS, (2,), "any")]
 Pitch = Annotated[tuple[float, ...], _several(LENGTH, (1, 2), "positive")]
 Deviations = tuple[float, ...]  # one or three
@@ -179,34 +189,6 @@ class DimensionSection(Section):
                 expected="start and end of a gauge, or a tolerance for the dimension of this id read from the part",
             )
         return self
-
-
-class CameraSection(Section):
-    """The camera."""
-
-    focal_length: Length = Field(description="a length, such as 16 mm")
-    pixel_pitch: Pitch = Field(description="a length, such as 3.45 um")
-    resolution: Annotated[tuple[int, int], BeforeValidator(_read_resolution)] = Field(
-        description="columns and rows, such as [2448, 2048]"
-    )
-    edge_resolution: PixelsOrZero = 1.0
-    principal_point: PixelPair | None = None
-    f_number: Annotated[float, BeforeValidator(_read_f_number)] | None = None
-    focus_distance: Length | None = None
-    blur_limit: Pixels = 1.0
-
-    def build(self) -> Camera:
-        """The camera; raises InputError."""
-        return Camera(
-            focal_length_mm=self.focal_length,
-            pixel_pitch_mm=(self.pixel_pitch[0], self.pixel_pitch[-1]),
-            resolution=self.resolution,
-            edge_resolution_px=self.edge_resolution,
-            principal_point_px=self.principal_point,
-            f_number=self.f_number,
-            focus_distance_mm=self.focus_distance,
-            blur_limit_px=self.blur_limit,
-        )
 
 
 class PoseSection(Section):

@@ -71,7 +71,14 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
     if file.settings_file is not None:
         ids, poses = read_settings(file.settings_file)
         settings = ExplicitSettings(ids, poses)
-    used = (file.path, part_path, file.settings_file, file.covariance_file, file.common_covariance_file)
+    used = (
+        file.path,
+        part_path,
+        file.settings_file,
+        file.covariance_file,
+        file.common_covariance_file,
+        file.calibration_file,
+    )
     return Inspection(
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
         part=part,
