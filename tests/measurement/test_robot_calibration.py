@@ -145,3 +145,23 @@ def test_too_little_is_refused():
     with pytest.raises(InputError, match="does not exist"):
         find_corners("none.png", BOARD)
     assert fit_intrinsics(views.points_mm, views.places_px, SIZE).rms_px < 1e-2
+
+
+def test_the_covariance_of_the_camera_is_opencv_s_and_that_of_fits_to_noise():
+    """Against the standard deviations of OpenCV's own normal equations, and against 60 fits to other noise."""
+    clean = views_of("board", 12, 0.0, HEAD, seed=5)
+    rng, found, told = np.random.default_rng(9), [], []
+    for _ in range(60):
+        places = tuple(p + 0.2 * rng.standard_normal(p.shape) for p in clean.places_px)
+        views = BoardViews(clean.names, clean.T_base_flange, clean.points_mm, places, SIZE, "board")
+        camera = fit_intrinsics(views.points_mm, places, SIZE)
+        found.append(np.r_[camera.matrix[[0, 1, 0, 1], [0, 1, 2, 2]], camera.distortion[:4]])
+        told.append(views.intrinsics_covariance(camera))
+    flat = [p.astype(np.float32) for p in clean.points_mm], [p.astype(np.float32) for p in places]
+    deviations = cv2.calibrateCameraExtended(*flat, SIZE, None, None, flags=cv2.CALIB_FIX_K3)[5].ravel()[:8]
+    # theirs of float32 corners, and with another count of degrees of freedom: 1 %
+    assert np.sqrt(told[-1].diagonal()) == pytest.approx(deviations, rel=0.02)
+    # chi-square of 60 x 8: each within 1 +- 0.27 with probability 0.9973; their mean product with the predicted
+    expected = np.mean(told, axis=0)
+    z = np.linalg.solve(np.linalg.cholesky(expected), (np.array(found) - np.mean(found, axis=0)).T)
+    assert (z**2).sum() / (59 * 8) == pytest.approx(1.0, abs=3 * np.sqrt(2 / (59 * 8)))

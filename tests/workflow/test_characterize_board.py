@@ -10,9 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import PoseError, invert, quaternion_from_pose
+from viewgauge.io.camera_file import read_camera_file
 from viewgauge.measurement.board import Board
 from viewgauge.simulation.exact_camera import draw_pose_errors
-from viewgauge.workflow import characterize, describe_characterization
+from viewgauge.workflow import characterize, describe_characterization, write_calibration
 
 cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
 
@@ -74,9 +75,24 @@ def test_images_and_poses_to_the_robot_s_errors(folder):
     # by 14 poses with errors of 0.5 mm and 1 mrad, which bend the lens model as well
     assert np.array(document["board"]["camera_matrix_px"])[0, 0] == pytest.approx(900, rel=0.01)
     assert np.array(document["board"]["X"])[:3, 3] == pytest.approx(X[:3, 3], abs=3)
+    sure = document["board"]["standard_uncertainty"]
+    assert abs(np.array(document["board"]["camera_matrix_px"])[0, 0] - 900) < 4 * sure["fx"]
     # 12 degrees of freedom and six axes: their root mean square is off by 9 % (one sigma), and by the fit of the lens
     ratio = character.head.deviation / np.sqrt(HEAD.covariance.diagonal())
     assert 0.5 < np.sqrt((ratio**2).mean()) < 2.0
+
+
+def test_the_camera_is_written_for_opencv_and_the_inspection(folder, tmp_path):
+    character = characterize(folder / "cal.yaml")
+    write_calibration(character, tmp_path / "camera.yaml")
+    read = read_camera_file(tmp_path / "camera.yaml")
+    board = character.board
+    assert board is not None
+    assert read.resolution == (800, 600)
+    assert read.focal_length_px == (board.camera.matrix[0, 0], board.camera.matrix[1, 1])
+    assert np.array_equal(np.asarray(read.covariance), board.camera_covariance)
+    file = cv2.FileStorage(str(tmp_path / "camera.yaml"), cv2.FILE_STORAGE_READ)
+    assert np.array_equal(file.getNode("camera_matrix").mat(), board.camera.matrix)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
+from .camera import camera
 from .head import characterize
 from .images import measure, simulate
 from .inverse import improve, specify
@@ -213,6 +214,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
 app.command(improve, name="improve")
 app.command(specify, name="specify")
 app.command(characterize, name="characterize")
+app.command(camera, name="camera")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,6 +21,7 @@ def characterize(
     /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    camera: Path | None = None,
     with_mean: Annotated[bool, Parameter(negative="")] = False,
     json: Json = False,
 ) -> int:
@@ -33,6 +34,9 @@ def characterize(
         images of a ChArUco board and robot poses.
     output
         The covariance file (YAML), for head.covariance of an inspection file.
+    camera
+        The camera that images of a board gave, with its uncertainty, for camera.calibration of an inspection file
+        (OpenCV's YAML).
     with_mean
         The systematic part is not calibrated away: count it with the rest.
     """
@@ -40,16 +44,26 @@ def characterize(
 
     character = workflow.characterize(samples, progress=Bars())
     document = workflow.describe_characterization(character)
+    if camera is not None:
+        with _folder_of(camera):
+            workflow.write_calibration(character, camera)
     if output is not None:
-        with workflow.output_folder(output.parent) if str(output.parent) != "." else nullcontext():
+        with _folder_of(output):
             workflow.write_head(character, output, with_mean=with_mean)
     if json:
         print_json(document)
     else:
         _print_character(document)
-        if output is not None:
-            print(f"written to {output}")
+        written = [str(path) for path in (output, camera) if path is not None]
+        if written:
+            print(f"written to {' and '.join(written)}")
     return DONE
+
+
+def _folder_of(path: Path) -> AbstractContextManager[Any]:
+    from .. import workflow
+
+    return workflow.output_folder(path.parent) if str(path.parent) != "." else nullcontext()
 
 
 def _print_character(document: dict[str, Any]) -> None:
@@ -79,6 +93,10 @@ def _print_character(document: dict[str, Any]) -> None:
 def _print_board(board: dict[str, Any]) -> None:
     (fx, _, cx), (_, fy, cy), _ = board["camera_matrix_px"]
     print(f"  camera: fx {fx:.1f}, fy {fy:.1f}, cx {cx:.1f}, cy {cy:.1f} px; corners left {board['rms_px']:.2f} px rms")
+    sure = board["standard_uncertainty"]
+    print(
+        "  standard uncertainty: " + ", ".join(f"{name} {sure[name]:.2g}" for name in ("fx", "fy", "cx", "cy")) + " px"
+    )
     if board["pivot"]:
         position = ", ".join(f"{value:.3f}" for value in board["pivot"]["position_mm"])
         quaternion = ", ".join(f"{value:.6f}" for value in board["pivot"]["quaternion"])

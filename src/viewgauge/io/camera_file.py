@@ -209,6 +209,8 @@ class _Reader:
     def _covariance(
         self, section: dict[str, Any], where: KeyPath, lens: Lens | None
     ) -> tuple[tuple[float, ...], ...] | None:
+        if self.problems.found:
+            return None  # of a lens that is not known
         size = 4 + (0 if lens is None else len(lens.coefficients))
         if "intrinsics_covariance" in section:
             key = (*where, "intrinsics_covariance")

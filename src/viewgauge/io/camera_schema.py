@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, StrictInt, model_validator
@@ -105,7 +105,7 @@ class UncertaintySection(Section):
         if len(given) != coefficients or min(given, default=0.0) < 0:
             raise InputError(
                 "not a standard uncertainty of each coefficient",
-                key="distortion",
+                key="calibration_uncertainty.distortion",
                 got=list(given),
                 expected=f"{coefficients} numbers, not negative",
             )
@@ -124,6 +124,9 @@ class _CameraSection(Section):
     f_number: FNumber | None = None
     focus_distance: Length | None = None
     blur_limit: Pixels = 1.0
+
+    _key_of: ClassVar[dict[str, str]]
+    """Which key states what the camera calls otherwise."""
 
     @model_validator(mode="after")
     def _one_locator(self) -> Self:
@@ -145,23 +148,29 @@ class _CameraSection(Section):
         covariance = optics.covariance
         if uncertainty is not None:
             covariance = uncertainty.covariance(0 if optics.lens is None else len(optics.lens.coefficients))
-        return Camera(
-            focal_length_mm=optics.focal_length_mm,
-            pixel_pitch_mm=optics.pixel_pitch_mm,
-            resolution=resolution,
-            edge_resolution_px=1.0 if self.edge_resolution is None else self.edge_resolution,
-            principal_point_px=optics.principal_point_px,
-            f_number=self.f_number,
-            focus_distance_mm=self.focus_distance,
-            blur_limit_px=self.blur_limit,
-            lens=optics.lens,
-            intrinsics_covariance=covariance,
-            locator=locator,
-        )
+        try:
+            return Camera(
+                focal_length_mm=optics.focal_length_mm,
+                pixel_pitch_mm=optics.pixel_pitch_mm,
+                resolution=resolution,
+                edge_resolution_px=1.0 if self.edge_resolution is None else self.edge_resolution,
+                principal_point_px=optics.principal_point_px,
+                f_number=self.f_number,
+                focus_distance_mm=self.focus_distance,
+                blur_limit_px=self.blur_limit,
+                lens=optics.lens,
+                intrinsics_covariance=covariance,
+                locator=locator,
+            )
+        except InputError as error:
+            key = self._key_of.get(error.key or "", error.key)
+            raise InputError(error.problem, key=key, got=error.got, expected=error.expected, hint=error.hint) from error
 
 
 class CameraSection(_CameraSection):
     """A camera whose optics the section itself states."""
+
+    _key_of: ClassVar[dict[str, str]] = {"lens": "distortion"}
 
     focal_length: Length = Field(description="a length, such as 16 mm")
     resolution: Resolution = Field(description="columns and rows, such as [2448, 2048]")
@@ -188,6 +197,8 @@ class CameraSection(_CameraSection):
 
 class CalibratedCameraSection(_CameraSection):
     """A camera whose optics a calibration file states."""
+
+    _key_of: ClassVar[dict[str, str]] = {"lens": "calibration", "intrinsics_covariance": "calibration"}
 
     calibration: Name
     calibration_camera: Name | None = None

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import InputError
-from ..geometry import invert, point_jacobian, transform
+from ..geometry import Lens, invert, point_jacobian, transform
 from .board import Intrinsics, board_pose, fit_intrinsics, robot_world_hand_eye
 from .pose_samples import errors_of_poses
 
@@ -159,6 +159,36 @@ class BoardViews:
             A = ((errors[::2] - errors[1::2]) / (2 * _UNIT[:, None])).T
             covariances.append(camera.rms_px**2 * A @ np.linalg.inv(J.T @ J) @ A.T)
         return np.array(covariances)
+
+    def intrinsics_covariance(self, camera: Intrinsics) -> NDArray[np.float64]:
+        """``(8, 8)`` of fx, fy, cx, cy, px, and k1, k2, p1, p2, of a camera that was fitted to all the views.
+
+        That of the least squares over the camera and all poses of the board: the inverse of the Schur complement of the
+        poses in the normal equations (Triggs et al., *Vision Algorithms*, LNCS 1883 (2000) 298, sec. 6), times the
+        variance that the corners were left with.
+        """
+        focal = np.array([camera.matrix[0, 0], camera.matrix[1, 1]])
+        lens = Lens("radial-tangential", tuple(camera.distortion[:4]))
+        normal, left, count = np.zeros((8, 8)), 0.0, 0
+        for points, places in zip(self.points_mm, self.places_px, strict=True):
+            seen = transform(board_pose(points, places, camera), points)
+            ideal = seen[:, :2] / seen[:, 2:]
+            distorted = lens.distort(ideal)
+            of_camera = np.zeros((len(points), 2, 8))
+            of_camera[:, 0, 0], of_camera[:, 1, 1] = distorted[:, 0], distorted[:, 1]
+            of_camera[:, 0, 2] = of_camera[:, 1, 3] = 1.0
+            of_camera[:, :, 4:] = focal[:, None] * lens.coefficient_jacobian(ideal)
+            of_pose = focal[:, None] * (lens.jacobian(ideal) @ point_jacobian(seen, 1.0))
+            A = of_camera.reshape(-1, 8)
+            Q, _ = np.linalg.qr(of_pose.reshape(-1, 6))
+            free = A - Q @ (Q.T @ A)  # what no pose of this view makes up for
+            normal += free.T @ free
+            residual = places - (distorted * focal + camera.matrix[:2, 2])
+            left, count = left + float((residual**2).sum()), count + 2 * len(points)
+        freedom = count - 8 - 6 * len(self.names)
+        if freedom < 1:
+            raise InputError("too few corners for the camera's uncertainty", key="images", got=f"{count // 2} corners")
+        return np.asarray(np.linalg.inv(normal) * left / freedom)
 
     def held_out(
         self, folds: Sequence[Sequence[int]], given: Intrinsics | None = None, start: Intrinsics | None = None

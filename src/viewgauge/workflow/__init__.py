@@ -11,7 +11,14 @@ if TYPE_CHECKING:
     from ..io.table_store import require_table_suffix
     from ..simulation.sensor import Sensor
     from .budget import error_budgets, figures_of_gauges
-    from .characterize import Characterization, characterize, describe_characterization, write_head
+    from .camera import describe_calibration, read_calibration, write_opencv_camera
+    from .characterize import (
+        Characterization,
+        characterize,
+        describe_characterization,
+        write_calibration,
+        write_head,
+    )
     from .check import check
     from .evaluate import Evaluation, Method, evaluate, evaluate_into, success_probability
     from .execution import open_executor
@@ -35,7 +42,11 @@ if TYPE_CHECKING:
 
 _HOME = {
     **dict.fromkeys(("error_budgets", "figures_of_gauges"), ".budget"),
-    **dict.fromkeys(("Characterization", "characterize", "describe_characterization", "write_head"), ".characterize"),
+    **dict.fromkeys(("describe_calibration", "read_calibration", "write_opencv_camera"), ".camera"),
+    **dict.fromkeys(
+        ("Characterization", "characterize", "describe_characterization", "write_calibration", "write_head"),
+        ".characterize",
+    ),
     "check": ".check",
     **dict.fromkeys(("Evaluation", "Method", "evaluate", "evaluate_into", "success_probability"), ".evaluate"),
     **dict.fromkeys(("ExplicitSettings", "Inspection"), ".inspection"),
@@ -76,6 +87,7 @@ __all__ = [
     "characterize",
     "check",
     "describe_answers",
+    "describe_calibration",
     "describe_characterization",
     "describe_plan",
     "error_budgets",
@@ -88,14 +100,17 @@ __all__ = [
     "open_executor",
     "output_folder",
     "plan",
+    "read_calibration",
     "require_answer_suffix",
     "require_table_suffix",
     "simulate",
     "specify",
     "success_probability",
     "write_answers",
+    "write_calibration",
     "write_evaluation",
     "write_head",
+    "write_opencv_camera",
     "write_plan",
 ]
 

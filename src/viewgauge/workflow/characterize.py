@@ -9,9 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..geometry import invert, quaternion_from_pose
+from ..exceptions import InputError
+from ..geometry import Lens, invert, quaternion_from_pose
 from ..io.board_views_file import is_board_file, read_board_views
+from ..io.camera_file import CameraFile, write_opencv_camera
 from ..io.covariance_file import write_covariance
 from ..io.pose_samples_file import SampleFile, read_pose_samples
 from ..measurement import HeadCharacter, PoseSamples, characterize_head, small_sample_factor
@@ -19,8 +22,16 @@ from ..measurement.board import Intrinsics
 from ..measurement.robot_calibration import RobotCalibration
 from .progress import Progress, Silent
 
-__all__ = ["BoardCalibration", "Characterization", "characterize", "describe_characterization", "write_head"]
+__all__ = [
+    "BoardCalibration",
+    "Characterization",
+    "characterize",
+    "describe_characterization",
+    "write_calibration",
+    "write_head",
+]
 
+_INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2")
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
@@ -47,8 +58,10 @@ class BoardCalibration:
 
     Parameters
     ----------
-    camera
-        Its intrinsics.
+    camera, resolution
+        Its intrinsics, and the columns and rows of the images.
+    camera_covariance
+        ``(8, 8)`` of fx, fy, cx, cy, px, and k1, k2, p1, p2.
     robot
         X and Y: with the camera in hand its pose on the flange, and the board's in the base frame.
     camera_in_hand
@@ -58,6 +71,8 @@ class BoardCalibration:
     """
 
     camera: Intrinsics
+    resolution: tuple[int, int]
+    camera_covariance: NDArray[np.float64]
     robot: RobotCalibration
     camera_in_hand: bool
     left_out: tuple[str, ...]
@@ -100,7 +115,9 @@ def _from_board(path: Path) -> tuple[SampleFile, BoardCalibration]:
     in_hand = views.in_hand == "camera"
     kind = f"views of a board, the {views.in_hand} in the robot's hand, each by a calibration without it"
     samples = PoseSamples(errors, views.names, parameters=12, noise=views.noise(camera, robot))
-    return SampleFile(samples, kind), BoardCalibration(camera, robot, in_hand, found.left_out)
+    covariance = views.intrinsics_covariance(camera)
+    board = BoardCalibration(camera, views.resolution, covariance, robot, in_hand, found.left_out)
+    return SampleFile(samples, kind), board
 
 
 def write_head(character: Characterization, path: str | PathLike[str], *, with_mean: bool = False) -> None:
@@ -115,6 +132,28 @@ def write_head(character: Characterization, path: str | PathLike[str], *, with_m
     head = character.head
     covariance = head.second_moment if with_mean else head.covariance
     write_covariance(path, covariance, head.degrees_of_freedom, head.mean, character.inputs)
+
+
+def write_calibration(character: Characterization, path: str | PathLike[str]) -> None:
+    """Write the camera that images of a board gave, with its covariance, as OpenCV's YAML (``camera.calibration``).
+
+    Raises
+    ------
+    InputError
+        If the samples were not images of a board.
+    """
+    board = character.board
+    if board is None:
+        raise InputError(
+            "there is no camera to write: the samples are not images of a board",
+            key="--camera",
+            got=character.kind,
+            expected="a list of images of a board and robot poses",
+        )
+    (fx, _, cx), (_, fy, cy), _ = board.camera.matrix.tolist()
+    lens = Lens("radial-tangential", tuple(board.camera.distortion[:4].tolist()))
+    covariance = tuple(tuple(row) for row in board.camera_covariance.tolist())
+    write_opencv_camera(path, CameraFile("OpenCV", (fx, fy), (cx, cy), lens, board.resolution, covariance))
 
 
 def describe_characterization(character: Characterization) -> dict[str, Any]:
@@ -152,6 +191,9 @@ def _board_document(board: BoardCalibration) -> dict[str, Any]:
     return {
         "camera_matrix_px": board.camera.matrix.tolist(),
         "distortion": board.camera.distortion.tolist(),
+        "standard_uncertainty": dict(
+            zip(_INTRINSICS, np.sqrt(board.camera_covariance.diagonal()).tolist(), strict=True)
+        ),
         "rms_px": board.camera.rms_px,
         "in_hand": "camera" if board.camera_in_hand else "board",
         "X": board.robot.X.tolist(),

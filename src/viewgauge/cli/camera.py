@@ -1,0 +1,65 @@
+"""The command that tells a camera's calibration and writes it for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from .options import DONE, Json
+from .output import print_json
+
+__all__ = ["camera"]
+
+
+def camera(
+    file: Path,
+    /,
+    *,
+    name: str | None = None,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    json: Json = False,
+) -> int:
+    """Tell what a camera's calibration says, and write it for OpenCV.
+
+    Parameters
+    ----------
+    file
+        OpenCV YAML, ROS camera_info, Kalibr camchain, or an inspection file.
+    name
+        Which camera of a file that has several, such as cam1.
+    output
+        The calibration as OpenCV's YAML, every digit kept.
+    """
+    from .. import workflow
+
+    calibration = workflow.read_calibration(file, name)
+    if output is not None:
+        workflow.write_opencv_camera(output, calibration)
+    document = workflow.describe_calibration(calibration)
+    if json:
+        print_json(document)
+    else:
+        _print_calibration(document)
+        if output is not None:
+            print(f"written to {output}")
+    return DONE
+
+
+def _print_calibration(document: dict[str, Any]) -> None:
+    size = document["resolution"]
+    print(f"{document['format']}: " + ("size not stated" if size is None else f"{size[0]} x {size[1]} px"))
+    sure = document["standard_uncertainty"] or {}
+    pairs = zip(("fx", "fy", "cx", "cy"), [*document["focal_length_px"], *document["principal_point_px"]], strict=True)
+    for name, value in pairs:
+        print(f"  {name}  {value:.3f}{f' ± {sure[name]:.3f}' if sure else ''} px")
+    if document["distortion_model"] is None:
+        print("  no distortion")
+    else:
+        corner = document["distortion_at_corner_px"]
+        most = "" if corner is None else f", {corner:.1f} px at the corner it moves most"
+        print(f"  {document['distortion_model']}{most}")
+        for name, value in document["distortion"].items():
+            print(f"  {name}  {value:.6g}{f' ± {sure[name]:.2g}' if sure else ''}")
+    print("  standard uncertainties: " + ("after the ±" if sure else "not stated; the calibration counts as exact"))
