@@ -32,7 +32,7 @@ def direction(angle):
 @pytest.mark.parametrize("offset", [-3.37, 0.0, 4.81])
 def test_a_clean_edge_is_found_to_a_hundredth_of_a_pixel(angle, offset):
     image = straight(offset, angle, 0.8)
-    edge = EdgeFinder(image, noise=0.001).edge(np.array([80.0, 80.0]), direction(angle), (-9, 9), 8.0)
+    edge = EdgeFinder(image, noise=0.001).edge(np.array([80.0, 80.0]), direction(angle), np.arange(-9, 9 + 1.0), 8.0)
     assert edge is not None
     assert edge.coefficients[0] == pytest.approx(offset, abs=0.015)
     assert edge.coefficients[1] == pytest.approx(0, abs=2e-3)
@@ -50,7 +50,7 @@ def test_noise_spreads_the_edge_by_little_and_without_bias():
     clean = straight(1.234, 0.4, 0.8)
     for _ in range(300):
         image = clean + 0.02 * rng.standard_normal(clean.shape)
-        edge = EdgeFinder(image, noise=0.02).edge(np.array([80.0, 80.0]), direction(0.4), (-9, 9), 6.0)
+        edge = EdgeFinder(image, noise=0.02).edge(np.array([80.0, 80.0]), direction(0.4), np.arange(-9, 9 + 1.0), 6.0)
         assert edge is not None
         found.append(edge.coefficients[0])
     assert np.std(found) < 0.05
@@ -59,7 +59,7 @@ def test_noise_spreads_the_edge_by_little_and_without_bias():
 
 def test_a_bent_edge_is_a_parabola():
     edge = EdgeFinder(disc(40.0, (80.0, 80.0), 0.8), noise=0.001).edge(
-        np.array([80.0, 119.0]), direction(0.0), (-9, 9), 5.0, bent=True
+        np.array([80.0, 119.0]), direction(0.0), np.arange(-9, 9 + 1.0), 5.0, bent=True
     )
     assert edge is not None
     assert edge.coefficients[0] == pytest.approx(1.0, abs=0.03)
@@ -73,18 +73,18 @@ def test_where_there_is_no_edge_none_is_found():
         image = 0.5 + 0.05 * rng.standard_normal((60, 60))
         finder = EdgeFinder(image)
         assert finder.noise == pytest.approx(0.05, rel=0.2)
-        assert finder.edge(np.array([30.0, 30.0]), direction(rng.uniform(0, 3)), (-9, 9), 6.0) is None
+        assert finder.edge(np.array([30.0, 30.0]), direction(rng.uniform(0, 3)), np.arange(-9, 9 + 1.0), 6.0) is None
 
 
 def test_an_edge_elsewhere_or_turned_is_not_the_one_that_is_looked_for():
     finder = EdgeFinder(straight(9.0, 0.4, 0.8), noise=0.001)
-    assert finder.edge(np.array([80.0, 80.0]), direction(0.4), (-9, 9), 5.0) is None
+    assert finder.edge(np.array([80.0, 80.0]), direction(0.4), np.arange(-9, 9 + 1.0), 5.0) is None
     finder = EdgeFinder(straight(0.0, 0.5, 0.8), noise=0.001)
-    assert finder.edge(np.array([80.0, 80.0]), direction(0.4), (-9, 9), 5.0) is None
+    assert finder.edge(np.array([80.0, 80.0]), direction(0.4), np.arange(-9, 9 + 1.0), 5.0) is None
 
 
 def test_of_two_equal_edges_the_nearer_one():
     image = straight(-4.0, 0.0, 0.6, 0.0, 0.4) + straight(2.0, 0.0, 0.6, 0.0, 0.4)
-    edge = EdgeFinder(image, noise=0.001).edge(np.array([80.0, 80.0]), direction(0.0), (-9, 9), 7.0)
+    edge = EdgeFinder(image, noise=0.001).edge(np.array([80.0, 80.0]), direction(0.0), np.arange(-9, 9 + 1.0), 7.0)
     assert edge is not None
     assert edge.coefficients[0] == pytest.approx(2.0, abs=0.05)

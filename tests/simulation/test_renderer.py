@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
 
 from viewgauge.exceptions import InputError
-from viewgauge.geometry import Camera, PoseError, invert, look_at, transform
+from viewgauge.geometry import Camera, Lens, PoseError, Window, invert, look_at, transform
 from viewgauge.measurement import errors_of_poses
 from viewgauge.simulation.displaced_poses import displaced_poses
 from viewgauge.simulation.exact_camera import exact_length_errors
-from viewgauge.simulation.renderer import FIBONACCI, Renderer, Window
+from viewgauge.simulation.renderer import FIBONACCI, Renderer
 from viewgauge.simulation.sensor import Sensor
 
 CAMERA = Camera(12.0, (0.005, 0.005), (120, 90))
@@ -60,6 +62,23 @@ def test_coverage_is_the_exact_area(roll, rays):
     limit = 1.5 / rays if roll == 0 else 2 / rays**0.75
     assert np.abs(found - exact).max() <= limit
     assert found.sum() == pytest.approx(exact.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "lens", [Lens("radial-tangential", (-0.25, 0.1, 2e-3, -1e-3)), Lens("equidistant", (0.02, -0.01, 0.0, 0.0))]
+)
+def test_a_lens_bends_what_is_seen_where_the_camera_says(lens):
+    """The area of a plate's image: a polygon whose sides are divided and put where the lens shows each piece."""
+    wide, T = replace(CAMERA, focal_length_mm=0.5), above(distance=12.0, roll=0.3)
+    camera = replace(wide, lens=lens)
+    found = Renderer(PLATE, TRIANGLES, rays_per_pixel=89).coverage(T, camera)
+    sides = [np.linspace(a, b, 400, endpoint=False) for a, b in zip(PLATE, np.roll(PLATE, -1, axis=0), strict=True)]
+    places = camera.to_pixels(camera.project(transform(invert(T), np.concatenate(sides))))
+    x, y = (places - places.mean(axis=0)).T
+    area = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+    straight = Renderer(PLATE, TRIANGLES, rays_per_pixel=89).coverage(T, wide).sum()
+    assert abs(straight - area) > 20, "the lens matters"
+    assert found.sum() == pytest.approx(area, rel=2e-4)
 
 
 def test_a_window_is_a_part_of_the_image():

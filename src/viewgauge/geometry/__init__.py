@@ -7,6 +7,7 @@ from .lens import Lens
 from .pose_error import PoseError
 from .poses import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
 from .view_block import VIEWS, view_block
+from .window import Window
 
 __all__ = [
     "VIEWS",
@@ -14,6 +15,7 @@ __all__ = [
     "EdgeLocator",
     "Lens",
     "PoseError",
+    "Window",
     "invert",
     "look_at",
     "point_jacobian",

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Edge", "EdgeFinder"]
+from ..errors import edge_point_deviation
+from ..geometry import Window
+
+__all__ = ["SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
+
+SPLINE_MARGIN_PX = 8
+"""Splines of a part of an image are those of the whole, to 1e-4, so far inside it."""
 
 _STEP_PX = 0.25  # along profiles
 _SMOOTHED_PX = 1.0  # of the derivative of a Gaussian, beside the image's own blur
@@ -28,6 +35,8 @@ class Edge:
         ``(2,)`` px: the expected point and direction.
     coefficients
         a, b, c.
+    covariance
+        ``(3, 3)`` of them, by the image's noise.
     residual_px
         Root mean square of the profiles about the fit.
     width_px
@@ -39,6 +48,7 @@ class Edge:
     point: NDArray[np.float64]
     along: NDArray[np.float64]
     coefficients: NDArray[np.float64]
+    covariance: NDArray[np.float64]
     residual_px: float
     width_px: float
     contrast: float
@@ -47,6 +57,12 @@ class Edge:
     def across(self) -> NDArray[np.float64]:
         """``(2,)``: to the left of ``along`` by a right angle."""
         return np.array([-self.along[1], self.along[0]])
+
+    def variance_at(self, place: NDArray[np.float64]) -> float:
+        """Of the edge across it, px², next to a place ``(2,)`` px."""
+        t = float((place - self.point) @ self.along)
+        powers = np.array([1.0, t, t * t])
+        return float(powers @ self.covariance @ powers)
 
     def meets(self, point: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """Where a line through a point meets the edge, nearest to the expected point; None where it does not."""
@@ -78,20 +94,34 @@ class EdgeFinder:
         ``(rows, columns)`` grey values, share of full scale.
     noise
         Standard deviation of a pixel, share of full scale; None to estimate it from the image.
+    windows
+        Where to look, but for a margin of :data:`SPLINE_MARGIN_PX`; elsewhere no edge is found. None for everywhere.
     """
 
-    def __init__(self, image: NDArray[np.float64], noise: float | None = None) -> None:
+    def __init__(
+        self, image: NDArray[np.float64], noise: float | None = None, windows: Sequence[Window] | None = None
+    ) -> None:
         from scipy.ndimage import spline_filter
 
         grey = np.asarray(image, dtype=np.float32)
-        self.noise = _noise_of(grey) if noise is None else noise
-        self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
+        self.noise = noise_of(grey) if noise is None else noise
+        if windows is None:
+            self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
+            return
+        self._splines = np.full(grey.shape, np.nan, dtype=np.float32)
+        for window in windows:
+            # coefficients of a part are those of the whole but near its border
+            splines = spline_filter(grey[window.slices], order=3, output=np.float32, mode="nearest")
+            inner = window.shrunk(SPLINE_MARGIN_PX)
+            top, left = inner.top - window.top, inner.left - window.left
+            height, width = max(inner.bottom - inner.top, 0), max(inner.right - inner.left, 0)
+            self._splines[inner.slices] = splines[top : top + height, left : left + width]
 
     def edge(
         self,
         point: NDArray[np.float64],
         along: NDArray[np.float64],
-        span_px: tuple[float, float],
+        places_px: NDArray[np.float64],
         reach_px: float,
         bent: bool = False,
     ) -> Edge | None:
@@ -101,17 +131,18 @@ class EdgeFinder:
         ----------
         point, along
             ``(2,)`` px: where it is expected, and its direction (unit).
-        span_px
-            From where to where along it profiles are taken, from the point.
+        places_px
+            ``(k,)``: where along it profiles are taken, from the point.
         reach_px
             How far off across its direction it may be.
         bent
             A parabola in place of a straight line.
         """
-        t = np.arange(span_px[0], span_px[1] + 1e-9, 1.0)
+        t = places_px
         if len(t) < (5 if bent else 3):
             return None
-        offset = self._profiles(point, along, t, reach_px)
+        across = np.broadcast_to([-along[1], along[0]], (len(t), 2))
+        offset = self.offsets(point + t[:, None] * along, across, reach_px)
         good = np.isfinite(offset)
         if good.sum() < max(_AGREE * len(t), 5 if bent else 3):
             return None
@@ -132,19 +163,29 @@ class EdgeFinder:
         if abs(fit[-2]) > (_TURNED_BENT if bent else _TURNED) + chance:
             return None
         coefficients = np.array([*fit[::-1], 0.0, 0.0])[:3]
-        contrast, width = self._step(point, along, t[kept], np.polyval(fit, t[kept]))
+        curve = point + t[:, None] * along + np.polyval(fit, t)[:, None] * across
+        contrast, width = self.step(curve[kept], across[kept])
         if contrast < _CLEAR_EDGE * self.noise / np.sqrt(len(t)):
             return None
-        return Edge(point, along, coefficients, float(np.sqrt((residual**2).mean())), width, float(contrast))
+        design = np.vander(t[kept], order + 1, increasing=True)
+        shape = np.zeros((3, 3))
+        shape[: order + 1, : order + 1] = np.linalg.inv(design.T @ design)
+        variance = self.point_deviation_px(contrast, width) ** 2
+        rms = float(np.sqrt((residual**2).mean()))
+        return Edge(point, along, coefficients, variance * shape, rms, width, float(contrast))
 
-    def _profiles(
-        self, point: NDArray[np.float64], along: NDArray[np.float64], t: NDArray[np.float64], reach_px: float
-    ) -> NDArray[np.float64]:
-        """Of each profile the place of its edge, px across; NaN where none is clear."""
-        s, grey = self._sampled(point, along, t, reach_px + 4 * _SMOOTHED_PX)
-        slope = _slope(grey)
+    def offsets(self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float) -> NDArray[np.float64]:
+        """``(k,)``: how far across, px, from places ``(k, 2)`` px edges are found; NaN where none is clear.
+
+        Parameters
+        ----------
+        across
+            ``(k, 2)``: unit, along which to look from each place, to either side.
+        """
+        s = np.arange(-(reach_px + 4 * _SMOOTHED_PX), reach_px + 4 * _SMOOTHED_PX + 1e-9, _STEP_PX)
+        slope = _slope(self._at(places[:, None] + s[:, None] * across[:, None]))
         inside = np.abs(s) <= reach_px
-        offset = np.full(len(t), np.nan)
+        offset = np.full(len(places), np.nan)
         # noise of the smoothed slope, per px, of interpolated samples: about that of white noise so smoothed
         threshold = _CLEAR_PROFILE * self.noise * 0.4 / _SMOOTHED_PX**1.5
         for k, row in enumerate(np.abs(slope)):
@@ -159,13 +200,29 @@ class EdgeFinder:
             offset[k] = s[best] + shift * _STEP_PX
         return offset
 
-    def _sampled(
-        self, point: NDArray[np.float64], along: NDArray[np.float64], t: NDArray[np.float64], reach: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        s = np.arange(-reach, reach + 1e-9, _STEP_PX)
-        across = np.array([-along[1], along[0]])
-        places = point + t[:, None, None] * along + s[:, None] * across
-        return s, self._at(places)
+    def step(self, places: NDArray[np.float64], across: NDArray[np.float64]) -> tuple[float, float]:
+        """Contrast and width of an edge that runs through places ``(k, 2)`` px, of all profiles laid over each other.
+
+        Parameters
+        ----------
+        across
+            ``(k, 2)``: unit.
+        """
+        s = np.arange(-6.0, 6.0 + 1e-9, _STEP_PX)
+        grey = self._at(places[:, None] + s[:, None] * across[:, None]).mean(axis=0)
+        middle = np.abs(s) <= 1.0
+        side = grey[(s >= 2) & (s <= 4)].mean() - grey[(s >= -4) & (s <= -2)].mean()
+        slope = np.gradient(grey, _STEP_PX)
+        steepest = float(np.abs(slope[middle]).max())
+        width = abs(side) / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
+        return abs(float(side)), float(width)
+
+    def point_deviation_px(self, contrast: float, width_px: float) -> float:
+        """Standard deviation of one edge point by the image's noise, across the edge, px (Canny 1986)."""
+        if self.noise <= 0 or contrast <= 0:
+            return 0.0
+        blur = np.sqrt(max(width_px**2 - 1 / 12, 0.0))  # the pixel's own is counted with it
+        return float(edge_point_deviation(contrast / self.noise, blur, smoothing_px=_SMOOTHED_PX))
 
     def _at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Grey values at places ``(..., 2)`` px, by cubic splines."""
@@ -173,25 +230,6 @@ class EdgeFinder:
 
         rows_columns = [places[..., 1], places[..., 0]]
         return np.asarray(map_coordinates(self._splines, rows_columns, order=3, mode="nearest", prefilter=False))
-
-    def _step(
-        self,
-        point: NDArray[np.float64],
-        along: NDArray[np.float64],
-        t: NDArray[np.float64],
-        offset: NDArray[np.float64],
-    ) -> tuple[float, float]:
-        """Contrast and width of the edge, of all profiles laid over each other."""
-        s = np.arange(-6.0, 6.0 + 1e-9, _STEP_PX)
-        across = np.array([-along[1], along[0]])
-        places = point + t[:, None, None] * along + (offset[:, None] + s)[..., None] * across
-        grey = self._at(places).mean(axis=0)
-        middle = np.abs(s) <= 1.0
-        side = grey[(s >= 2) & (s <= 4)].mean() - grey[(s >= -4) & (s <= -2)].mean()
-        slope = np.gradient(grey, _STEP_PX)
-        steepest = float(np.abs(slope[middle]).max())
-        width = abs(side) / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
-        return abs(float(side)), float(width)
 
 
 def _slope(grey: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -201,7 +239,7 @@ def _slope(grey: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(gaussian_filter1d(grey, _SMOOTHED_PX / _STEP_PX, axis=-1, order=1) / _STEP_PX)
 
 
-def _noise_of(image: NDArray[np.float32]) -> float:
+def noise_of(image: NDArray[np.float32]) -> float:
     """Standard deviation of a pixel, robustly, from second differences (Immerkaer 1996): edges are rare."""
     rows, columns = (slice(1, -1),) * 2
     inner = image[rows, columns]

@@ -1,27 +1,34 @@
-"""The length of a gauge in an image: its ends where fitted edges cross its line."""
+"""The length of a gauge in an image: its ends where fitted edges cross its line, or a diameter of a fitted rim.
+
+Edges are looked for in the pixels; what is found is put where a pinhole camera would have seen it, by the calibration.
+"""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ..geometry import Camera, PoseError, invert, point_jacobian, transform
-from .edges import Edge, EdgeFinder
+from ..geometry import Camera, PoseError, Window, invert, point_jacobian, transform
+from .edges import SPLINE_MARGIN_PX, Edge, EdgeFinder
+from .rim import find_rim, rim_points
 
-__all__ = ["EndPoint", "ExpectedGauge", "GaugeImage", "Guide", "find_guide", "measure_gauge"]
+__all__ = ["EndPoint", "ExpectedGauge", "GaugeImage", "Guide", "find_guide", "gauge_windows", "measure_gauge"]
 
 _CROSSES = np.sin(np.radians(20))  # of the angle between an edge and the gauge
 _LIES_ALONG = np.sin(np.radians(8))
 _HALF_PX, _CLEAR_OF_CORNER_PX = 9.0, 5.0
-_THROUGH = (-_HALF_PX, _HALF_PX)
-_AT_CORNER = ((_CLEAR_OF_CORNER_PX, 2 * _HALF_PX), (-2 * _HALF_PX, -_CLEAR_OF_CORNER_PX))
+_THROUGH = np.arange(-_HALF_PX, _HALF_PX + 1)
+_AFTER_CORNER = np.arange(_CLEAR_OF_CORNER_PX, 2 * _HALF_PX + 1)
+_AT_CORNER = (_AFTER_CORNER, -_AFTER_CORNER)
+_PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
 _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
+_FURTHER_PX = 2.0
 _BLUNT_PX = 1.9  # width of an edge that is out of focus: of a blur of 2.5 px
 _CURVATURES = 0.35  # relative difference
 _SATURATED = 0.995
@@ -30,40 +37,72 @@ _TOO_SATURATED = 0.02  # share of the pixels about an end
 
 @dataclass(frozen=True)
 class ExpectedGauge:
-    """A gauge, part frame, mm: its two points, and the normals of the faces that meet at each, ``(k, 3)``.
+    """A gauge, part frame.
 
-    ``bent``: its edges are curves, such as the rim of a hole.
+    Parameters
+    ----------
+    points
+        ``(2, 3)`` mm.
+    normals
+        Of the faces that meet at each, ``(k, 3)``.
+    bent
+        Its edges are curves, such as the rim of a hole.
+    rim_axis
+        ``(3,)``: normal of the circle of which it is a diameter, where the whole rim is seen; None for any other.
     """
 
     points: NDArray[np.float64]
     normals: tuple[NDArray[np.float64], NDArray[np.float64]]
     bent: bool = False
+    rim_axis: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class EndPoint:
-    """Where an end was expected and found, px; ``found`` None with the ``reason`` it was not."""
+    """An end of a gauge in an image.
+
+    Parameters
+    ----------
+    expected, found
+        ``(2,)`` px; ``found`` None with the ``reason`` it was not.
+    deviation_px
+        Standard deviation of the found place along the gauge, by the image's noise.
+    """
 
     expected: NDArray[np.float64]
     found: NDArray[np.float64] | None
     edge: Edge | None
     reason: str = ""
+    deviation_px: float = 0.0
 
 
 @dataclass(frozen=True)
 class GaugeImage:
-    """Both ends, and the image length, nominal and measured, mm on the image; None where an end is not found."""
+    """Both ends, and the image length, nominal and measured, mm on the ideal image; None where an end is not found.
+
+    ``deviation_mm`` is the standard deviation that the image's noise gives it.
+    """
 
     ends: tuple[EndPoint, EndPoint]
     nominal_mm: float
     measured_mm: float | None
+    deviation_mm: float = 0.0
 
     @property
     def reason(self) -> str:
         """Why there is no length; empty where there is one."""
-        return "; ".join(
-            f"{name}: {end.reason}" for name, end in zip(("start", "end"), self.ends, strict=True) if end.reason
-        )
+        start, end = (found.reason for found in self.ends)
+        if start == end:
+            return start
+        return "; ".join(f"{name}: {why}" for name, why in (("start", start), ("end", end)) if why)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Where to look: from about which pose the image was taken, and how far off edges may still be, px."""
+
+    T_part_camera: NDArray[np.float64]
+    reach_px: float
 
 
 def measure_gauge(
@@ -73,45 +112,73 @@ def measure_gauge(
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     guide: Guide,
+    whole_pixels: bool = False,
 ) -> GaugeImage:
     """The length of a gauge in an image that was taken at a pose but for the head's error.
 
     Each end is where an edge that crosses the gauge, fitted near where the guide expects it, meets the gauge's line:
-    the expected line through both, or the fitted edge along which the gauge lies. The guide says where to look and
-    where the expected line is; the length is compared with that at the pose that was planned.
+    the expected line through both, or the fitted edge along which the gauge lies. A diameter whose whole rim is seen
+    is that of the ellipse which fits the rim. The guide says where to look and where the expected line is; the length
+    is compared with that at the pose that was planned.
 
     Parameters
     ----------
     image
         ``(rows, columns)`` grey values, share of full scale; those of the finder.
+    whole_pixels
+        Each end is put to the nearest corner of pixels, as the paper's locator does.
     """
     nominal = float(np.linalg.norm(np.diff(camera.project(transform(invert(T_part_camera), gauge.points)), axis=0)))
     T_camera_part = invert(guide.T_part_camera)
     points = transform(T_camera_part, gauge.points)
     places = camera.to_pixels(camera.project(points))
-    line = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
-    directions = [
-        image_directions(point, T_camera_part[:3, :3], normals, camera)
-        for point, normals in zip(points, gauge.normals, strict=True)
-    ]
-    start, run = _gauge_line(finder, places, line, directions, guide.reach_px)
-    first, second = (
-        _end(finder, image, places[k], directions[k], guide.reach_px, start, run, gauge.bent) for k in range(2)
-    )
-    if gauge.bent and first.edge is not None and second.edge is not None:
-        first, second = (_of_one_rim(end, first.edge, second.edge) for end in (first, second))
-    measured = None
-    if first.found is not None and second.found is not None:
-        measured = float(np.linalg.norm((second.found - first.found) * np.asarray(camera.pixel_pitch_mm)))
-    return GaugeImage((first, second), nominal, measured)
+    if gauge.rim_axis is not None:
+        ends, deviation = _rim_ends(finder, image, points, T_camera_part[:3, :3] @ gauge.rim_axis, camera, guide)
+    else:
+        line = _gauge_line(finder, gauge, T_camera_part, camera, guide.reach_px)
+        first, second = (
+            _end(finder, image, gauge, k, places[k], T_camera_part, camera, line, guide.reach_px) for k in range(2)
+        )
+        if gauge.bent and first.edge is not None and second.edge is not None:
+            first, second = (_of_one_rim(end, first.edge, second.edge) for end in (first, second))
+        ends, deviation = (first, second), 0.0
+    if whole_pixels:
+        first, second = (replace(e, found=None if e.found is None else np.floor(e.found) + 0.5) for e in ends)
+        ends = (first, second)
+    start, end = ends
+    if start.found is None or end.found is None:
+        return GaugeImage(ends, nominal, None)
+    found = camera.from_pixels(np.stack([start.found, end.found]))
+    if gauge.rim_axis is None:
+        per_px = _mm_per_px(camera, found)
+        deviation = float(np.hypot(start.deviation_px * per_px[0], end.deviation_px * per_px[1]))
+    return GaugeImage(ends, nominal, float(np.linalg.norm(found[1] - found[0])), deviation)
 
 
-@dataclass(frozen=True)
-class Guide:
-    """Where to look: from about which pose the image was taken, and how far off edges may still be, px."""
+def _mm_per_px(camera: Camera, found: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(2,)``: along the line between two ideal image points, at each."""
+    run = (found[1] - found[0]) / np.linalg.norm(found[1] - found[0])
+    return np.asarray(1 / np.linalg.norm(camera.pixel_jacobian(found) @ run, axis=1))
 
-    T_part_camera: NDArray[np.float64]
-    reach_px: float
+
+def gauge_windows(
+    gauge: ExpectedGauge, T_part_camera: NDArray[np.float64], camera: Camera, error: PoseError
+) -> list[Window]:
+    """All of an image that is looked at to measure a gauge at a planned pose, and to find where it was taken."""
+    T_camera_part = invert(T_part_camera)
+    points = transform(T_camera_part, gauge.points)
+    places = camera.to_pixels(camera.project(points))
+    reach = max(_reach_px(point, camera, error) for point in points)
+    margin = reach + _AGREE_PX * 3 + _FURTHER_PX + 4 + SPLINE_MARGIN_PX
+    if gauge.rim_axis is not None:
+        rim = rim_points(points, T_camera_part[:3, :3] @ gauge.rim_axis, 90)
+        found = [Window.around(camera.to_pixels(camera.project(rim)), margin + 2 * _HALF_PX, camera)]
+    else:
+        found = [Window.around(place, margin + 2 * _HALF_PX, camera) for place in places]
+        if _lies_along(gauge, T_camera_part, camera):
+            middles = camera.to_pixels(_pieces(camera, points))
+            found += [Window.around(middle, margin + _PIECE_PX, camera) for middle in middles]
+    return [window for window in found if window is not None]
 
 
 def find_guide(
@@ -131,14 +198,13 @@ def find_guide(
     for gauge in gauges:
         for point, normals in zip(transform(T_camera_part, gauge.points), gauge.normals, strict=True):
             place = camera.to_pixels(camera.project(point))
-            J = point_jacobian(point, camera.focal_length_mm) @ error.adjoint
-            J = J / np.asarray(camera.pixel_pitch_mm)[:, None]
+            J = _point_jacobian_px(point, camera) @ error.adjoint
             reach = _reach_px(point, camera, error)
             for along in image_directions(point, T_camera_part[:3, :3], normals, camera):
                 for span in along.spans:
                     edge = finder.edge(place, along.unit, span, reach, gauge.bent)
                     if edge is not None:
-                        middle = (span[0] + span[1]) / 2
+                        middle = (span[0] + span[-1]) / 2
                         a, b, c = edge.coefficients
                         offsets.append(a + b * middle + c * middle**2)
                         rows.append(edge.across @ J)
@@ -160,14 +226,19 @@ def find_guide(
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
     assert error.T_camera_head is not None  # set by PoseError
     moved = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ T_camera_part
-    return Guide(invert(moved), float(3 * np.median(left[agree]) + 2.0))
+    return Guide(invert(moved), float(3 * np.median(left[agree]) + _FURTHER_PX))
+
+
+def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
+    """``(2, 6)`` px of a displacement of a point in the camera frame."""
+    return np.asarray(camera.pixel_jacobian(camera.project(point)) @ point_jacobian(point, camera.focal_length_mm))
 
 
 def _reach_px(point: NDArray[np.float64], camera: Camera, error: PoseError) -> float:
     """How far an end may be from where it is expected."""
-    J = point_jacobian(point, camera.focal_length_mm) / np.asarray(camera.pixel_pitch_mm)[:, None]
+    J = _point_jacobian_px(point, camera)
     spread = J @ error.camera_covariance @ J.T
-    return float(_SIGMAS * np.sqrt(np.linalg.eigvalsh(spread)[-1]) + 2.0)
+    return float(_SIGMAS * np.sqrt(np.linalg.eigvalsh(spread)[-1]) + _FURTHER_PX)
 
 
 def image_directions(
@@ -197,10 +268,25 @@ def image_directions(
 
 @dataclass(frozen=True)
 class _Direction:
-    """Of an edge in the image, ``(2,)`` unit, and where along it to look, in this order."""
+    """Of an edge in the image, ``(2,)`` unit, and where along it to look, px, in this order."""
 
     unit: NDArray[np.float64]
-    spans: tuple[tuple[float, float], ...]
+    spans: tuple[NDArray[np.float64], ...]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """Of a gauge, mm on the ideal image: two points ``(2, 2)``, and the variance across it, mm²."""
+
+    points: NDArray[np.float64]
+    variance_mm2: float = 0.0
+
+    def near(self, end: int, camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A point and the direction, unit, in the pixels, next to one of its points."""
+        run = (self.points[1] - self.points[0]) * (1e-3 if end == 0 else -1e-3)
+        start, beyond = camera.to_pixels(np.stack([self.points[end], self.points[end] + run]))
+        direction = (beyond - start) * (1 if end == 0 else -1)
+        return start, direction / np.linalg.norm(direction)
 
 
 def _sine(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
@@ -215,55 +301,141 @@ def _of_one_rim(end: EndPoint, first: Edge, second: Edge) -> EndPoint:
     return EndPoint(end.expected, None, end.edge, "what is found is not the rim at both ends: it is bent differently")
 
 
-def _gauge_line(
+def _rim_ends(
     finder: EdgeFinder,
-    places: NDArray[np.float64],
-    line: NDArray[np.float64],
-    directions: list[list[_Direction]],
-    reach: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A point and the direction of the ends' line: of the edge along which the gauge lies, if it does."""
-    if all(any(_sine(d.unit, line) < _LIES_ALONG for d in at_end) for at_end in directions):
-        length = float(np.linalg.norm(places[1] - places[0]))
-        edge = finder.edge(places[0], line, (2 * _CLEAR_OF_CORNER_PX, length - 2 * _CLEAR_OF_CORNER_PX), reach)
+    image: NDArray[np.float64],
+    points: NDArray[np.float64],
+    axis: NDArray[np.float64],
+    camera: Camera,
+    guide: Guide,
+) -> tuple[tuple[EndPoint, EndPoint], float]:
+    """The ends of the diameter of a fitted rim, and the standard deviation of its length, mm."""
+    places = camera.to_pixels(camera.project(points))
+
+    def not_found(reason: str) -> tuple[tuple[EndPoint, EndPoint], float]:
+        return (EndPoint(places[0], None, None, reason), EndPoint(places[1], None, None, reason)), 0.0
+
+    around = camera.to_pixels(camera.project(rim_points(points, axis, 90)))
+    window = Window.around(around, guide.reach_px, camera)
+    rows, columns = image.shape
+    reach = guide.reach_px
+    if window is None or (around < reach).any() or (around > np.array([columns, rows]) - 1 - reach).any():
+        return not_found("too near the image's border")
+    if (image[window.slices] >= _SATURATED).mean() > _TOO_SATURATED:
+        return not_found("saturated")
+    rim = find_rim(finder, points, axis, camera, guide.reach_px)
+    if rim is None:
+        return not_found("no clear rim")
+    if rim.width_px > _BLUNT_PX:
+        return not_found(_out_of_focus(rim.width_px))
+    found = camera.to_pixels(rim.ends)
+    return (EndPoint(places[0], found[0], None), EndPoint(places[1], found[1], None)), float(np.sqrt(rim.variance_mm2))
+
+
+def _out_of_focus(width_px: float) -> str:
+    return f"out of focus: the edge is {width_px:.1f} px wide"
+
+
+def _lies_along(gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera: Camera) -> bool:
+    """Whether a gauge lies along an edge, from end to end."""
+    points = transform(T_camera_part, gauge.points)
+    places = camera.to_pixels(camera.project(points))
+    length = float(np.linalg.norm(places[1] - places[0]))
+    if length < 2 * (2 * _CLEAR_OF_CORNER_PX + _PIECE_PX):
+        return False
+    line = _Line(camera.project(points))
+    return all(
+        any(
+            _sine(d.unit, line.near(k, camera)[1]) < _LIES_ALONG
+            for d in image_directions(points[k], T_camera_part[:3, :3], gauge.normals[k], camera)
+        )
+        for k in range(2)
+    )
+
+
+def _pieces(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(k, 2)`` mm on the ideal image: places along a gauge's image, clear of its ends."""
+    start, end = camera.project(points)
+    length = float(np.linalg.norm(np.diff(camera.to_pixels(np.stack([start, end])), axis=0)))
+    clear = (2 * _CLEAR_OF_CORNER_PX + _PIECE_PX) / length
+    return np.asarray(start + np.linspace(clear, 1 - clear, _PIECES)[:, None] * (end - start))
+
+
+def _gauge_line(
+    finder: EdgeFinder, gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera: Camera, reach: float
+) -> _Line:
+    """The ends' line: of the edge along which the gauge lies, if it does, else through the ends as expected."""
+    points = transform(T_camera_part, gauge.points)
+    image = camera.project(points)
+    expected = _Line(image)
+    if not _lies_along(gauge, T_camera_part, camera):
+        return expected
+    pieces = _pieces(camera, points)
+    run = (image[1] - image[0]) / np.linalg.norm(image[1] - image[0])
+    across = np.array([-run[1], run[0]])
+    places, offsets, variances = [], [], []
+    for middle in pieces:
+        place, ahead = camera.to_pixels(np.stack([middle, middle + 1e-3 * (image[1] - image[0])]))
+        unit = (ahead - place) / np.linalg.norm(ahead - place)
+        edge = finder.edge(place, unit, np.arange(-_PIECE_PX, _PIECE_PX + 1), reach)
         if edge is not None:
-            a, b, _ = edge.coefficients
-            run = line + b * edge.across
-            return places[0] + a * edge.across, run / np.linalg.norm(run)
-    return places[0], line
+            found = camera.from_pixels(place + edge.coefficients[0] * edge.across)
+            per_px = 1 / np.linalg.norm(camera.pixel_jacobian(middle) @ across)
+            places.append(float((found - image[0]) @ run))
+            offsets.append(float((found - image[0]) @ across))
+            variances.append(edge.variance_at(place) * per_px**2)
+    if len(offsets) < _PIECES / 2:
+        return expected
+    t, y = np.array(places), np.array(offsets)
+    px = min(camera.pixel_pitch_mm)
+    kept = np.abs(y - np.median(y)) < np.inf
+    for _ in range(3):  # as straight as its pieces agree within half a pixel
+        fit = np.polyfit(t[kept], y[kept], 1)
+        left = np.abs(y - np.polyval(fit, t))
+        kept = left <= max(0.5 * px, 2.5 * float(np.median(left)))
+        if kept.sum() < _PIECES / 2:
+            return expected
+    along = np.array([0.0, float(np.linalg.norm(image[1] - image[0]))])
+    ends = image[0] + along[:, None] * run + np.polyval(fit, along)[:, None] * across
+    return _Line(ends, 4 * float(np.mean(variances)) / int(kept.sum()))
 
 
 def _end(
     finder: EdgeFinder,
     image: NDArray[np.float64],
+    gauge: ExpectedGauge,
+    k: int,
     place: NDArray[np.float64],
-    directions: list[_Direction],
+    T_camera_part: NDArray[np.float64],
+    camera: Camera,
+    line: _Line,
     reach: float,
-    start: NDArray[np.float64],
-    run: NDArray[np.float64],
-    bent: bool,
 ) -> EndPoint:
     rows, columns = image.shape
     if not (reach <= place[0] <= columns - 1 - reach and reach <= place[1] <= rows - 1 - reach):
         return EndPoint(place, None, None, "too near the image's border")
-    top, left = (int(max(c - reach - _HALF_PX, 0)) for c in (place[1], place[0]))
-    about = image[top : int(place[1] + reach + _HALF_PX) + 1, left : int(place[0] + reach + _HALF_PX) + 1]
-    if (about >= _SATURATED).mean() > _TOO_SATURATED:
+    window = Window.around(place, reach + _HALF_PX, camera)
+    if window is None or (image[window.slices] >= _SATURATED).mean() > _TOO_SATURATED:
         return EndPoint(place, None, None, "saturated")
+    start, run = line.near(k, camera)
+    point = transform(T_camera_part, gauge.points[k])
+    directions = image_directions(point, T_camera_part[:3, :3], gauge.normals[k], camera)
     crossing = [d for d in directions if _sine(d.unit, run) >= _CROSSES]
     if not crossing:
         return EndPoint(place, None, None, "no edge is known that crosses the gauge")
     best: Edge | None = None  # the straightest: the most nearly square one located the ends of a corner worse
     for direction in crossing:
-        tried = (finder.edge(place, direction.unit, span, reach, bent) for span in direction.spans)
+        tried = (finder.edge(place, direction.unit, span, reach, gauge.bent) for span in direction.spans)
         edge = next((edge for edge in tried if edge is not None), None)
         if edge is not None and (best is None or edge.residual_px < best.residual_px):
             best = edge
     if best is None:
         return EndPoint(place, None, None, "no clear edge")
     if best.width_px > _BLUNT_PX:
-        return EndPoint(place, None, best, f"out of focus: the edge is {best.width_px:.1f} px wide")
+        return EndPoint(place, None, best, _out_of_focus(best.width_px))
     met = best.meets(start, run)
     if met is None or np.linalg.norm(met - place) > 2 * reach:
         return EndPoint(place, None, best, "the edge does not meet the gauge near its end")
-    return EndPoint(place, met, best)
+    sine = _sine(best.along, run)
+    of_line = line.variance_mm2 / min(camera.pixel_pitch_mm) ** 2 * (1 - sine**2)
+    return EndPoint(place, met, best, deviation_px=float(np.sqrt(best.variance_at(met) + of_line) / sine))

@@ -9,15 +9,13 @@ than a pixel is looked for.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import InputError
-from ..geometry import Camera
+from ..geometry import Camera, Window
 
-__all__ = ["FIBONACCI", "Renderer", "Window"]
+__all__ = ["FIBONACCI", "Renderer"]
 
 FIBONACCI = (8, 13, 21, 34, 55, 89, 144, 233, 377, 610)
 """Numbers of rays a pixel: each with the one before makes a lattice."""
@@ -28,21 +26,6 @@ _BACKGROUND = 0.02
 _DARKEST, _BRIGHTEST = 0.2, 0.85
 _FINISH, _FINISH_PERIOD = 0.08, 0.3  # by how much parallel faces differ; of the part's size
 _LIGHT = np.array([0.2, 0.55, 0.81])  # the direction that is brightest: faces along the axes differ by a tenth
-
-
-@dataclass(frozen=True)
-class Window:
-    """Pixels ``left`` to ``right - 1`` and ``top`` to ``bottom - 1`` of an image."""
-
-    left: int
-    top: int
-    right: int
-    bottom: int
-
-    @classmethod
-    def whole(cls, camera: Camera) -> Window:
-        """All of a camera's image."""
-        return cls(0, 0, *camera.resolution)
 
 
 class Renderer:
@@ -125,15 +108,16 @@ class Renderer:
     ) -> NDArray[np.float32]:
         """``(n,)``: mean over rays through pixels ``(n, 2)`` at offsets ``(k, 2)`` px."""
         origin = (T_part_camera[:3, 3] - self._centre).astype(np.float32)
-        per_pixel = np.asarray(camera.pixel_pitch_mm) / camera.focal_length_mm
         rays, result = len(offsets), np.empty(len(pixels), dtype=np.float32)
         step = max(_RAYS_AT_ONCE // rays, 1)
         for first in range(0, len(pixels), step):
             some = pixels[first : first + step, None] + offsets
-            image = (some - np.asarray(camera.principal_point)) * per_pixel
+            image = camera.from_pixels(some) / camera.focal_length_mm
             sight = np.concatenate([image, np.ones((*image.shape[:2], 1))], axis=-1).reshape(-1, 3)
-            direction = (sight @ T_part_camera[:3, :3].T).astype(np.float32)
+            shown = np.isfinite(sight).all(axis=1)  # the lens may show nothing just outside the image
+            direction = (np.where(shown[:, None], sight, 1.0) @ T_part_camera[:3, :3].T).astype(np.float32)
             hit = self._scene.run(np.broadcast_to(origin, direction.shape).copy(), direction)
+            hit = np.where(shown, hit, -1)
             result[first : first + step] = value[hit].reshape(-1, rays).mean(axis=1)  # -1, nothing, is the last
         return result
 

@@ -118,7 +118,7 @@ def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGa
             gauge = dimension.gauge_at(planned.gauge)
             if gauge is not None:
                 normals = (gauge.start_normals, gauge.end_normals)
-                return ExpectedGauge(planned.gauge, normals, bent=dimension.kind == "diameter")
+                return ExpectedGauge(planned.gauge, normals, dimension.kind == "diameter", gauge.rim_axis)
     raise InputError(
         "the plan is of another part, or of other dimensions",
         key=planned.dimension,

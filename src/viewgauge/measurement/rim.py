@@ -1,0 +1,169 @@
+"""The rim of a hole or boss in an image, all of it, and the diameter of the ellipse that fits it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Camera
+from .edges import EdgeFinder
+
+__all__ = ["Rim", "find_rim", "rim_points"]
+
+_MOST, _FEWEST = 400, 24  # profiles
+_AGREE, _NEAR_PX = 0.6, 1.0  # share of profiles, and how near to the ellipse
+_LARGEST_GAP = np.pi / 2  # of the angle seen from the centre
+_SCALES_PX = (4.0, 3.0, 2.0, 1.0, 0.7, 0.7)
+
+
+@dataclass(frozen=True)
+class Rim:
+    """Of an ellipse, in mm on the ideal image.
+
+    Parameters
+    ----------
+    ends
+        ``(2, 2)`` mm: of its chord through its centre in the gauge's direction.
+    variance_mm2
+        Of the chord's length, by the image's noise.
+    width_px, contrast
+        Of the edge, all round.
+    """
+
+    ends: NDArray[np.float64]
+    variance_mm2: float
+    width_px: float
+    contrast: float
+
+
+def rim_points(points: NDArray[np.float64], axis: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """``(count, 3)`` mm: points of the circle of which points ``(2, 3)`` are a diameter, with the axis ``(3,)``."""
+    centre, arm = points.mean(axis=0), (points[1] - points[0]) / 2
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)[:, None]
+    return np.asarray(centre + np.cos(angle) * arm + np.sin(angle) * np.cross(axis, arm))
+
+
+def find_rim(
+    finder: EdgeFinder, points: NDArray[np.float64], axis: NDArray[np.float64], camera: Camera, reach_px: float
+) -> Rim | None:
+    """The rim near where it is expected; None where less than most of it is found.
+
+    Edge points along the normals of the expected image, and the ellipse that leaves the least of their distances
+    (Sampson's, from its gradient), those that are off by much counting little (Cauchy's weights).
+
+    Parameters
+    ----------
+    points, axis
+        ``(2, 3)`` mm and ``(3,)``, camera frame: a diameter, and the normal of its circle.
+    """
+    around = _image(points, axis, camera, 200)
+    count = int(np.clip(np.linalg.norm(np.diff(around, axis=0, append=around[:1]), axis=1).sum(), _FEWEST, _MOST))
+    places = _image(points, axis, camera, count)
+    across = _normals(places)
+    offset = finder.offsets(places, across, reach_px)
+    good = np.isfinite(offset)
+    if good.sum() < _AGREE * count:
+        return None
+    expected = camera.from_pixels(places)
+    found = camera.from_pixels(places[good] + offset[good, None] * across[good])
+    scale = np.abs(expected - expected.mean(axis=0)).max()
+    middle, px = expected.mean(axis=0), min(camera.pixel_pitch_mm) / scale
+    p = (found - middle) / scale
+    conic = _fitted((expected - middle) / scale, np.ones(count))
+    for k in _SCALES_PX:
+        distance = _distance(conic, p) / px
+        conic = _fitted(p, 1 / (1 + (distance / k) ** 2), conic)
+    distance = np.abs(_distance(conic, p)) / px
+    near = distance <= _NEAR_PX
+    if near.sum() < _AGREE * count or not _is_ellipse(conic) or _gap(p[near] - _centre(conic)) > _LARGEST_GAP:
+        return None
+    weight = 1 / (1 + (distance[near] / _SCALES_PX[-1]) ** 2)
+    conic = _fitted(p[near], weight, conic)
+    contrast, width = finder.step((places[good] + offset[good, None] * across[good])[near], across[good][near])
+    run = np.diff(camera.project(points), axis=0)[0]
+    length = np.linalg.norm(run)
+    direction = run / length
+    # the image of the circle's centre is not the ellipse's: by how much its diameter is less than the longest chord
+    longest = scale * np.linalg.norm(
+        np.diff(_chord(_fitted((expected - middle) / scale, np.ones(count)), direction), axis=0)
+    )
+    chord = _chord(conic, direction)
+    chord = chord.mean(axis=0) + length / longest * (chord - chord.mean(axis=0))
+    noise = finder.point_deviation_px(contrast, width) * px
+    variance = scale**2 * noise**2 * _chord_variance(conic, p[near], direction)
+    return Rim(middle + scale * chord, float(variance), width, contrast)
+
+
+def _image(points: NDArray[np.float64], axis: NDArray[np.float64], camera: Camera, count: int) -> NDArray[np.float64]:
+    return camera.to_pixels(camera.project(rim_points(points, axis, count)))
+
+
+def _normals(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    run = np.roll(places, -1, axis=0) - np.roll(places, 1, axis=0)
+    across = np.stack([-run[:, 1], run[:, 0]], axis=1)
+    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
+
+
+def _design(p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of the conic ``a x² + b x y + c y² + d x + e y = 1``."""
+    x, y = p.T
+    return np.stack([x * x, x * y, y * y, x, y], axis=1)
+
+
+def _gradient(conic: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+    a, b, c, d, e = conic
+    x, y = p.T
+    return np.stack([2 * a * x + b * y + d, b * x + 2 * c * y + e], axis=1)
+
+
+def _distance(conic: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+    slope = np.linalg.norm(_gradient(conic, p), axis=1)
+    return np.asarray((_design(p) @ conic - 1) / np.maximum(slope, 1e-12))
+
+
+def _fitted(
+    p: NDArray[np.float64], weight: NDArray[np.float64], conic: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    root = np.sqrt(weight)
+    if conic is not None:
+        root = root / np.maximum(np.linalg.norm(_gradient(conic, p), axis=1), 1e-6)
+    return np.asarray(np.linalg.lstsq(_design(p) * root[:, None], root, rcond=None)[0])
+
+
+def _is_ellipse(conic: NDArray[np.float64]) -> bool:
+    a, b, c, _, _ = conic
+    return bool(4 * a * c - b * b > 0 and a > 0)
+
+
+def _centre(conic: NDArray[np.float64]) -> NDArray[np.float64]:
+    a, b, c, d, e = conic
+    return np.asarray(np.linalg.solve(np.array([[2 * a, b], [b, 2 * c]]), [-d, -e]))
+
+
+def _chord(conic: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(2, 2)``: its ends."""
+    a, b, c, d, e = conic
+    middle, (u, v) = _centre(conic), direction
+    level = 1 + (d * middle[0] + e * middle[1]) * -0.5  # of the conic about its centre
+    half = np.sqrt(level / (a * u * u + b * u * v + c * v * v))
+    return np.stack([middle - half * direction, middle + half * direction])
+
+
+def _chord_variance(conic: NDArray[np.float64], p: NDArray[np.float64], direction: NDArray[np.float64]) -> float:
+    """For points whose distances have variance 1."""
+    rows = _design(p) / np.linalg.norm(_gradient(conic, p), axis=1)[:, None]
+    covariance = np.linalg.inv(rows.T @ rows)
+
+    def length(conic: NDArray[np.float64]) -> float:
+        return float(np.linalg.norm(np.diff(_chord(conic, direction), axis=0)))
+
+    step = 1e-6
+    slope = np.array([(length(conic + step * e) - length(conic - step * e)) / (2 * step) for e in np.eye(5)])
+    return float(slope @ covariance @ slope)
+
+
+def _gap(p: NDArray[np.float64]) -> float:
+    angle = np.sort(np.arctan2(p[:, 1], p[:, 0]))
+    return float(np.diff(angle, append=angle[0] + 2 * np.pi).max())
