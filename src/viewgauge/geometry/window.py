@@ -29,15 +29,20 @@ class Window:
     @classmethod
     def around(cls, places_px: ArrayLike, reach_px: float, camera: Camera) -> Window | None:
         """What lies within reach of places ``(n, 2)`` px, in the image; None where nothing does."""
-        places, (columns, rows) = np.asarray(places_px, dtype=float).reshape(-1, 2), camera.resolution
-        low = np.floor(places.min(axis=0) - reach_px).astype(int)
-        high = np.ceil(places.max(axis=0) + reach_px).astype(int) + 1
-        left, top, right, bottom = max(low[0], 0), max(low[1], 0), min(high[0], columns), min(high[1], rows)
-        return cls(int(left), int(top), int(right), int(bottom)) if left < right and top < bottom else None
+        places = np.asarray(places_px, dtype=float).reshape(-1, 2)
+        left, top = np.floor(places.min(axis=0) - reach_px).astype(int).tolist()
+        right, bottom = (np.ceil(places.max(axis=0) + reach_px).astype(int) + 1).tolist()
+        window = cls(left, top, right, bottom).within(camera)
+        return window if window.left < window.right and window.top < window.bottom else None
 
     def shrunk(self, pixels: int) -> Window:
         """Smaller on each side by so many pixels; empty where it is too small for that."""
         return Window(self.left + pixels, self.top + pixels, self.right - pixels, self.bottom - pixels)
+
+    def within(self, camera: Camera) -> Window:
+        """What of it lies in the image."""
+        columns, rows = camera.resolution
+        return Window(max(self.left, 0), max(self.top, 0), min(self.right, columns), min(self.bottom, rows))
 
     @property
     def slices(self) -> tuple[slice, slice]:

@@ -80,12 +80,14 @@ def read_step(
 
 
 @contextlib.contextmanager
-def reading_step(path: str | PathLike[str]) -> Iterator[Callable[[], Brep]]:
+def reading_step(
+    path: str | PathLike[str], *, chord_error_mm: float | None = None
+) -> Iterator[Callable[[], Brep]]:
     """Begin what :func:`read_step` does; the block has time for other work until it calls what it is given.
 
     That call waits for the part, and raises whatever is wrong with it. A block that ends without it ends the child.
     """
-    options = Options(chord_error_mm=None, with_pmi=True, memory_bytes=_MEMORY_BYTES)
+    options = Options(chord_error_mm=chord_error_mm, with_pmi=True, memory_bytes=_MEMORY_BYTES)
     with _reading(Path(path), options, _TIMEOUT_S, ()) as finish:
         yield finish
 

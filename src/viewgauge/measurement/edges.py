@@ -142,7 +142,7 @@ class EdgeFinder:
         if len(t) < (5 if bent else 3):
             return None
         across = np.broadcast_to([-along[1], along[0]], (len(t), 2))
-        offset = self.offsets(point + t[:, None] * along, across, reach_px)
+        offset, _ = self.offsets(point + t[:, None] * along, across, reach_px)
         good = np.isfinite(offset)
         if good.sum() < max(_AGREE * len(t), 5 if bent else 3):
             return None
@@ -174,8 +174,12 @@ class EdgeFinder:
         rms = float(np.sqrt((residual**2).mean()))
         return Edge(point, along, coefficients, variance * shape, rms, width, float(contrast))
 
-    def offsets(self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float) -> NDArray[np.float64]:
-        """``(k,)``: how far across, px, from places ``(k, 2)`` px edges are found; NaN where none is clear.
+    def offsets(
+        self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """How far across, px, from places ``(k, 2)`` px edges are found, ``(k,)``, and how steep they are, ``(k,)``.
+
+        NaN where none is clear. The slope is that of the smoothed grey values, per px, with its sign.
 
         Parameters
         ----------
@@ -185,7 +189,7 @@ class EdgeFinder:
         s = np.arange(-(reach_px + 4 * _SMOOTHED_PX), reach_px + 4 * _SMOOTHED_PX + 1e-9, _STEP_PX)
         slope = _slope(self._at(places[:, None] + s[:, None] * across[:, None]))
         inside = np.abs(s) <= reach_px
-        offset = np.full(len(places), np.nan)
+        offset, steep = np.full(len(places), np.nan), np.full(len(places), np.nan)
         # noise of the smoothed slope, per px, of interpolated samples: about that of white noise so smoothed
         threshold = _CLEAR_PROFILE * self.noise * 0.4 / _SMOOTHED_PX**1.5
         for k, row in enumerate(np.abs(slope)):
@@ -198,7 +202,8 @@ class EdgeFinder:
             below, at, above = row[best - 1 : best + 2]
             shift = 0.5 * (below - above) / min(below - 2 * at + above, -1e-12)
             offset[k] = s[best] + shift * _STEP_PX
-        return offset
+            steep[k] = slope[k, best]
+        return offset, steep
 
     def step(self, places: NDArray[np.float64], across: NDArray[np.float64]) -> tuple[float, float]:
         """Contrast and width of an edge that runs through places ``(k, 2)`` px, of all profiles laid over each other.
@@ -223,6 +228,10 @@ class EdgeFinder:
             return 0.0
         blur = np.sqrt(max(width_px**2 - 1 / 12, 0.0))  # the pixel's own is counted with it
         return float(edge_point_deviation(contrast / self.noise, blur, smoothing_px=_SMOOTHED_PX))
+
+    def contrast_of(self, slope: NDArray[np.float64], width_px: float) -> NDArray[np.float64]:
+        """Step of grey values of edges that are so steep (:meth:`offsets`) and so wide."""
+        return np.asarray(np.abs(slope) * np.sqrt(2 * np.pi * (width_px**2 + _SMOOTHED_PX**2)))
 
     def _at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Grey values at places ``(..., 2)`` px, by cubic splines."""

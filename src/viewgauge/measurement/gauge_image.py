@@ -27,6 +27,8 @@ _AFTER_CORNER = np.arange(_CLEAR_OF_CORNER_PX, 2 * _HALF_PX + 1)
 _AT_CORNER = (_AFTER_CORNER, -_AFTER_CORNER)
 _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
+_EDGE_PX = 0.05  # by which a clear edge is off without noise: sampling by pixels
+_SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
 _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
 _FURTHER_PX = 2.0
 _BLUNT_PX = 1.9  # width of an edge that is out of focus: of a blur of 2.5 px
@@ -99,10 +101,19 @@ class GaugeImage:
 
 @dataclass(frozen=True)
 class Guide:
-    """Where to look: from about which pose the image was taken, and how far off edges may still be, px."""
+    """From about where an image was taken.
+
+    Parameters
+    ----------
+    reach_px
+        How far off edges may still be.
+    covariance
+        ``(6, 6)`` of the pose, as a displacement of the scene in the camera frame, mm and rad.
+    """
 
     T_part_camera: NDArray[np.float64]
     reach_px: float
+    covariance: NDArray[np.float64]
 
 
 def measure_gauge(
@@ -135,7 +146,7 @@ def measure_gauge(
     if gauge.rim_axis is not None:
         ends, deviation = _rim_ends(finder, image, points, T_camera_part[:3, :3] @ gauge.rim_axis, camera, guide)
     else:
-        line = _gauge_line(finder, gauge, T_camera_part, camera, guide.reach_px)
+        line = _gauge_line(finder, gauge, T_camera_part, camera, guide)
         first, second = (
             _end(finder, image, gauge, k, places[k], T_camera_part, camera, line, guide.reach_px) for k in range(2)
         )
@@ -151,8 +162,18 @@ def measure_gauge(
     found = camera.from_pixels(np.stack([start.found, end.found]))
     if gauge.rim_axis is None:
         per_px = _mm_per_px(camera, found)
-        deviation = float(np.hypot(start.deviation_px * per_px[0], end.deviation_px * per_px[1]))
+        slides = np.array([_slide(start, camera, found, 0), -_slide(end, camera, found, 1)])
+        variance = ((np.array([start.deviation_px, end.deviation_px]) * per_px) ** 2).sum()
+        deviation = float(np.sqrt(variance + slides @ line.covariance_mm2 @ slides))
     return GaugeImage(ends, nominal, float(np.linalg.norm(found[1] - found[0])), deviation)
+
+
+def _slide(end: EndPoint, camera: Camera, found: NDArray[np.float64], k: int) -> float:
+    """How far an end goes along the gauge where the line goes across it by one: the edge is not square to it."""
+    assert end.edge is not None  # of an end that is found
+    J = np.linalg.inv(camera.pixel_jacobian(found[k]))
+    along, run = J @ end.edge.along, found[1] - found[0]
+    return float((along @ run) / (run[0] * along[1] - run[1] * along[0]))
 
 
 def _mm_per_px(camera: Camera, found: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -190,11 +211,11 @@ def find_guide(
 ) -> Guide | None:
     """From about where an image was taken, by all edges at the ends of gauges; None where they do not agree.
 
-    The pose error of the greatest posterior density for the head's normal law and edges that are off by a pixel or are
-    others altogether (Cauchy).
+    The pose error of the greatest posterior density for the head's normal law and edges that are off by their noise or
+    are others altogether (Cauchy).
     """
     T_camera_part = invert(T_part_camera)
-    rows, offsets = [], []
+    rows, offsets, variances = [], [], []
     for gauge in gauges:
         for point, normals in zip(transform(T_camera_part, gauge.points), gauge.normals, strict=True):
             place = camera.to_pixels(camera.project(point))
@@ -207,17 +228,18 @@ def find_guide(
                         middle = (span[0] + span[-1]) / 2
                         a, b, c = edge.coefficients
                         offsets.append(a + b * middle + c * middle**2)
+                        variances.append(edge.variance_at(place + middle * along.unit))
                         rows.append(edge.across @ J)
     if len(offsets) < _FEWEST_EDGES:
         return None
-    A, y = np.array(rows), np.array(offsets)
+    A, y, variance = np.array(rows), np.array(offsets), np.array(variances) + _EDGE_PX**2
     factor = error.factor
-    twist, weight = np.zeros(6), np.ones(len(y))
-    for scale in (8.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0):
-        weight = 1 / (1 + ((y - A @ twist) / scale) ** 2)
-        scaled = A @ factor
-        z = np.linalg.solve(scaled.T @ (weight[:, None] * scaled) + np.eye(6), scaled.T @ (weight * y))
-        twist = factor @ z
+    scaled, twist = A @ factor, np.zeros(6)
+    posterior: NDArray[np.float64]
+    for scale in _SCALES:  # of standard deviations, from which on an edge counts as another
+        weight = 1 / (variance * (1 + (y - A @ twist) ** 2 / (scale**2 * variance)))
+        posterior = np.asarray(np.linalg.inv(scaled.T @ (weight[:, None] * scaled) + np.eye(6)))
+        twist = factor @ (posterior @ (scaled.T @ (weight * y)))
     left = np.abs(y - A @ twist)
     agree = left < _AGREE_PX
     if agree.sum() < max(_FEWEST_EDGES, _FEWEST_AGREE * len(y)):
@@ -226,7 +248,9 @@ def find_guide(
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
     assert error.T_camera_head is not None  # set by PoseError
     moved = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ T_camera_part
-    return Guide(invert(moved), float(3 * np.median(left[agree]) + _FURTHER_PX))
+    to_camera = error.adjoint @ factor
+    covariance = to_camera @ posterior @ to_camera.T
+    return Guide(invert(moved), float(3 * np.median(left[agree]) + _FURTHER_PX), covariance)
 
 
 def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
@@ -276,10 +300,10 @@ class _Direction:
 
 @dataclass(frozen=True)
 class _Line:
-    """Of a gauge, mm on the ideal image: two points ``(2, 2)``, and the variance across it, mm²."""
+    """Of a gauge, mm on the ideal image: two points ``(2, 2)``, and the covariance ``(2, 2)`` of both across it, mm²."""
 
     points: NDArray[np.float64]
-    variance_mm2: float = 0.0
+    covariance_mm2: NDArray[np.float64]
 
     def near(self, end: int, camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """A point and the direction, unit, in the pixels, next to one of its points."""
@@ -343,7 +367,7 @@ def _lies_along(gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera
     length = float(np.linalg.norm(places[1] - places[0]))
     if length < 2 * (2 * _CLEAR_OF_CORNER_PX + _PIECE_PX):
         return False
-    line = _Line(camera.project(points))
+    line = _Line(camera.project(points), np.zeros((2, 2)))
     return all(
         any(
             _sine(d.unit, line.near(k, camera)[1]) < _LIES_ALONG
@@ -362,22 +386,23 @@ def _pieces(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _gauge_line(
-    finder: EdgeFinder, gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera: Camera, reach: float
+    finder: EdgeFinder, gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera: Camera, guide: Guide
 ) -> _Line:
     """The ends' line: of the edge along which the gauge lies, if it does, else through the ends as expected."""
     points = transform(T_camera_part, gauge.points)
     image = camera.project(points)
-    expected = _Line(image)
+    run = (image[1] - image[0]) / np.linalg.norm(image[1] - image[0])
+    across = np.array([-run[1], run[0]])
+    moved = across @ point_jacobian(points, camera.focal_length_mm)  # (2, 6): of the ends across the line
+    expected = _Line(image, moved @ guide.covariance @ moved.T)
     if not _lies_along(gauge, T_camera_part, camera):
         return expected
     pieces = _pieces(camera, points)
-    run = (image[1] - image[0]) / np.linalg.norm(image[1] - image[0])
-    across = np.array([-run[1], run[0]])
     places, offsets, variances = [], [], []
     for middle in pieces:
         place, ahead = camera.to_pixels(np.stack([middle, middle + 1e-3 * (image[1] - image[0])]))
         unit = (ahead - place) / np.linalg.norm(ahead - place)
-        edge = finder.edge(place, unit, np.arange(-_PIECE_PX, _PIECE_PX + 1), reach)
+        edge = finder.edge(place, unit, np.arange(-_PIECE_PX, _PIECE_PX + 1), guide.reach_px)
         if edge is not None:
             found = camera.from_pixels(place + edge.coefficients[0] * edge.across)
             per_px = 1 / np.linalg.norm(camera.pixel_jacobian(middle) @ across)
@@ -397,7 +422,9 @@ def _gauge_line(
             return expected
     along = np.array([0.0, float(np.linalg.norm(image[1] - image[0]))])
     ends = image[0] + along[:, None] * run + np.polyval(fit, along)[:, None] * across
-    return _Line(ends, 4 * float(np.mean(variances)) / int(kept.sum()))
+    design = np.vander(t[kept], 2)
+    at_ends = np.vander(along, 2) @ np.linalg.inv(design.T @ design) @ np.vander(along, 2).T
+    return _Line(ends, float(np.mean(variances)) * at_ends)
 
 
 def _end(
@@ -436,6 +463,5 @@ def _end(
     met = best.meets(start, run)
     if met is None or np.linalg.norm(met - place) > 2 * reach:
         return EndPoint(place, None, best, "the edge does not meet the gauge near its end")
-    sine = _sine(best.along, run)
-    of_line = line.variance_mm2 / min(camera.pixel_pitch_mm) ** 2 * (1 - sine**2)
-    return EndPoint(place, met, best, deviation_px=float(np.sqrt(best.variance_at(met) + of_line) / sine))
+    deviation = np.sqrt(best.variance_at(met)) / _sine(best.along, run)
+    return EndPoint(place, met, best, deviation_px=float(deviation))

@@ -13,9 +13,11 @@ from .edges import EdgeFinder
 __all__ = ["Rim", "find_rim", "rim_points"]
 
 _MOST, _FEWEST = 400, 24  # profiles
-_AGREE, _NEAR_PX = 0.6, 1.0  # share of profiles, and how near to the ellipse
-_LARGEST_GAP = np.pi / 2  # of the angle seen from the centre
-_SCALES_PX = (4.0, 3.0, 2.0, 1.0, 0.7, 0.7)
+_AGREE, _NEAR_PX = 0.5, 1.0  # share of profiles, and how near to the ellipse
+_LARGEST_GAP = np.radians(140)  # seen from the centre
+_FAINT = 0.12  # of the clearest: fainter edge points are moved by the shading beside them, and left out
+_EDGE_PX = 0.03  # by which a clear edge is off without noise: sampling by pixels
+_SCALES = (60.0, 30.0, 15.0, 8.0, 4.0, 3.0, 3.0, 3.0)  # deviations from which on a point counts as another edge's
 
 
 @dataclass(frozen=True)
@@ -28,14 +30,13 @@ class Rim:
         ``(2, 2)`` mm: of its chord through its centre in the gauge's direction.
     variance_mm2
         Of the chord's length, by the image's noise.
-    width_px, contrast
-        Of the edge, all round.
+    width_px
+        Of the edge, where it is clear (:class:`~viewgauge.measurement.edges.Edge`).
     """
 
     ends: NDArray[np.float64]
     variance_mm2: float
     width_px: float
-    contrast: float
 
 
 def rim_points(points: NDArray[np.float64], axis: NDArray[np.float64], count: int) -> NDArray[np.float64]:
@@ -51,7 +52,7 @@ def find_rim(
     """The rim near where it is expected; None where less than most of it is found.
 
     Edge points along the normals of the expected image, and the ellipse that leaves the least of their distances
-    (Sampson's, from its gradient), those that are off by much counting little (Cauchy's weights).
+    (Sampson's, from its gradient), those that are off by much counting little (Geman and McClure's weights).
 
     Parameters
     ----------
@@ -62,38 +63,51 @@ def find_rim(
     count = int(np.clip(np.linalg.norm(np.diff(around, axis=0, append=around[:1]), axis=1).sum(), _FEWEST, _MOST))
     places = _image(points, axis, camera, count)
     across = _normals(places)
-    offset = finder.offsets(places, across, reach_px)
+    offset, slope = finder.offsets(places, across, reach_px)
     good = np.isfinite(offset)
     if good.sum() < _AGREE * count:
         return None
+    slope = np.where(good, slope, 0.0)
+    clearest = np.quantile(np.abs(slope), 0.9)
+    turned = np.sign(np.median(slope[np.abs(slope) >= clearest / 2]))
+    good &= slope * turned >= _FAINT * clearest
+    if good.sum() < _AGREE * count:
+        return None
+    edge_px, across, slope = places[good] + offset[good, None] * across[good], across[good], slope[good]
+    width = _width(finder, edge_px, across, slope)
+    contrast = finder.contrast_of(slope, width)
+    # what lies beside a faint edge moves it the more, the fainter it is
+    deviation_px = np.array([finder.point_deviation_px(value, width) for value in contrast])
+    deviation_px = np.hypot(deviation_px, _EDGE_PX * contrast.max() / contrast)
     expected = camera.from_pixels(places)
-    found = camera.from_pixels(places[good] + offset[good, None] * across[good])
-    scale = np.abs(expected - expected.mean(axis=0)).max()
-    middle, px = expected.mean(axis=0), min(camera.pixel_pitch_mm) / scale
-    p = (found - middle) / scale
-    conic = _fitted((expected - middle) / scale, np.ones(count))
-    for k in _SCALES_PX:
-        distance = _distance(conic, p) / px
-        conic = _fitted(p, 1 / (1 + (distance / k) ** 2), conic)
-    distance = np.abs(_distance(conic, p)) / px
-    near = distance <= _NEAR_PX
+    middle, scale = expected.mean(axis=0), float(np.abs(expected - expected.mean(axis=0)).max())
+    deviation = deviation_px * min(camera.pixel_pitch_mm) / scale
+    p, nominal = (camera.from_pixels(edge_px) - middle) / scale, _fitted((expected - middle) / scale, np.ones(count))
+    conic = nominal
+    for factor in _SCALES:
+        off = np.abs(_distance(conic, p)) / deviation
+        conic = _fitted(p, 1 / (deviation * (1 + (off / factor) ** 2)) ** 2, conic)
+    near = np.abs(_distance(conic, p)) <= np.maximum(4 * deviation, _NEAR_PX * min(camera.pixel_pitch_mm) / scale)
     if near.sum() < _AGREE * count or not _is_ellipse(conic) or _gap(p[near] - _centre(conic)) > _LARGEST_GAP:
         return None
-    weight = 1 / (1 + (distance[near] / _SCALES_PX[-1]) ** 2)
-    conic = _fitted(p[near], weight, conic)
-    contrast, width = finder.step((places[good] + offset[good, None] * across[good])[near], across[good][near])
     run = np.diff(camera.project(points), axis=0)[0]
     length = np.linalg.norm(run)
     direction = run / length
-    # the image of the circle's centre is not the ellipse's: by how much its diameter is less than the longest chord
-    longest = scale * np.linalg.norm(
-        np.diff(_chord(_fitted((expected - middle) / scale, np.ones(count)), direction), axis=0)
-    )
+    # the image of the circle's centre is not the ellipse's: by how much its diameter is less than the chord there
+    longer = scale * np.linalg.norm(np.diff(_chord(nominal, direction), axis=0)) / length
     chord = _chord(conic, direction)
-    chord = chord.mean(axis=0) + length / longest * (chord - chord.mean(axis=0))
-    noise = finder.point_deviation_px(contrast, width) * px
-    variance = scale**2 * noise**2 * _chord_variance(conic, p[near], direction)
-    return Rim(middle + scale * chord, float(variance), width, contrast)
+    chord = chord.mean(axis=0) + (chord - chord.mean(axis=0)) / longer
+    variance = scale**2 * _chord_variance(conic, p[near], deviation[near], direction)
+    return Rim(middle + scale * chord, float(variance), width)
+
+
+def _width(
+    finder: EdgeFinder, edge_px: NDArray[np.float64], across: NDArray[np.float64], slope: NDArray[np.float64]
+) -> float:
+    """Of the clearer half of an edge."""
+    clear = np.abs(slope) >= np.median(np.abs(slope))
+    towards = across * np.sign(slope)[:, None]  # so that all profiles rise
+    return finder.step(edge_px[clear], towards[clear])[1]
 
 
 def _image(points: NDArray[np.float64], axis: NDArray[np.float64], camera: Camera, count: int) -> NDArray[np.float64]:
@@ -151,9 +165,11 @@ def _chord(conic: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArra
     return np.stack([middle - half * direction, middle + half * direction])
 
 
-def _chord_variance(conic: NDArray[np.float64], p: NDArray[np.float64], direction: NDArray[np.float64]) -> float:
-    """For points whose distances have variance 1."""
-    rows = _design(p) / np.linalg.norm(_gradient(conic, p), axis=1)[:, None]
+def _chord_variance(
+    conic: NDArray[np.float64], p: NDArray[np.float64], deviation: NDArray[np.float64], direction: NDArray[np.float64]
+) -> float:
+    """For points whose distances from the conic have so large deviations ``(k,)``."""
+    rows = _design(p) / (np.linalg.norm(_gradient(conic, p), axis=1) * deviation)[:, None]
     covariance = np.linalg.inv(rows.T @ rows)
 
     def length(conic: NDArray[np.float64]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -29,6 +30,7 @@ def load(
     path: str | PathLike[str],
     *,
     part: str | PathLike[str] | None = None,
+    chord_error_mm: float | None = None,
     meanwhile: Callable[[], object] | None = None,
 ) -> Inspection:
     """Read an inspection file and everything that it names.
@@ -39,6 +41,8 @@ def load(
         The inspection file (YAML).
     part
         CAD file or mesh, in place of the file's own ``part.file``.
+    chord_error_mm
+        How far the mesh of a CAD part may be from its curved faces; None to choose it by the part's size.
     meanwhile
         Called once the inspection file is found right, while another process still reads a STEP file: the time to
         import what comes next.
@@ -50,7 +54,9 @@ def load(
     """
     text = read_inspection_text(path)
     part_path = Path(part) if part is not None else text.part_file
-    with _reading_part(part_path) as finish:
+    if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
+        raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")
+    with _reading_part(part_path, chord_error_mm) as finish:
         from ..io.inspection import read_inspection_file
 
         file = read_inspection_file(text)
@@ -95,14 +101,14 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
 
 
 @contextmanager
-def _reading_part(path: Path | None) -> Iterator[Callable[[], Part]]:
+def _reading_part(path: Path | None, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
     """Begin to read a part; call what the block is given for the part, or for the error that says why there is none.
 
     That of a STEP file comes with the dimensions of its PMI, that of a mesh with none.
     """
     suffix = "" if path is None else path.suffix.lower()
     if path is not None and suffix in _STEP_SUFFIXES:
-        with reading_step(path) as finish:
+        with reading_step(path, chord_error_mm=chord_error_mm) as finish:
             yield lambda: _part_of_step(finish, path)
     elif path is not None and suffix in _MESH_SUFFIXES:
         yield lambda: _part_of_mesh(path)
