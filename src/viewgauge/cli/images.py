@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -83,6 +83,7 @@ def measure(
     /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    edges: Literal["sub-pixel", "whole-pixel"] = "sub-pixel",
     part: PartFile = None,
     json: Json = False,
 ) -> int:
@@ -97,9 +98,11 @@ def measure(
     plan
         Folder of the plan.
     images
-        Folder of the images, SETTING.png or SETTING_NUMBER.png, without lens distortion.
+        Folder of the images, SETTING.png or SETTING_NUMBER.png, as the camera gives them.
     output
         Folder for measurements.csv and pictures of what was found.
+    edges
+        whole-pixel puts each end to the nearest corner of pixels, as the 1998 paper's locator does.
     """
     from .. import workflow
 
@@ -107,7 +110,7 @@ def measure(
     with workflow.output_folder(output) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
             inspection = workflow.load(file, part=part)
-        rows = workflow.measure(inspection, plan, images, output, progress=bars)
+        rows = workflow.measure(inspection, plan, images, output, edges=edges, progress=bars)
     if json:
         print_json([asdict(row) for row in rows])
     else:
@@ -126,8 +129,8 @@ def _print_measured(rows: Sequence[Any]) -> None:
         values = [row.measured_mm for row in mine if row.measured_mm is not None]
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(r.verdict for r in mine).items())
         told = f"{sum(values) / len(values):.4f}" if values else "-"
-        U = mine[0].expanded_uncertainty_mm
-        sure = "" if U is None else f" ± {U:.4f}"
+        largest = max((r.expanded_uncertainty_mm for r in mine if r.expanded_uncertainty_mm is not None), default=None)
+        sure = "" if largest is None else f" ± {largest:.4f}"
         print(f"  {name}: {told}{sure} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
         for reason in dict.fromkeys(row.reason for row in mine if row.reason):
             print(f"    not measured: {reason}")

@@ -80,9 +80,7 @@ def read_step(
 
 
 @contextlib.contextmanager
-def reading_step(
-    path: str | PathLike[str], *, chord_error_mm: float | None = None
-) -> Iterator[Callable[[], Brep]]:
+def reading_step(path: str | PathLike[str], *, chord_error_mm: float | None = None) -> Iterator[Callable[[], Brep]]:
     """Begin what :func:`read_step` does; the block has time for other work until it calls what it is given.
 
     That call waits for the part, and raises whatever is wrong with it. A block that ends without it ends the child.

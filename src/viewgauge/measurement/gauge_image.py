@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +90,17 @@ class GaugeImage:
     measured_mm: float | None
     deviation_mm: float = 0.0
 
+    def length_mm(self, camera: Camera, whole_pixels: bool) -> float | None:
+        """The measured length; with ``whole_pixels`` of ends that are put to the nearest corner of pixels.
+
+        That is the paper's locator: an end is where pixels meet, and as far from there as it may be.
+        """
+        start, end = (found.found for found in self.ends)
+        if not whole_pixels or start is None or end is None:
+            return self.measured_mm
+        corners = np.floor(np.stack([start, end])) + 0.5
+        return float(np.linalg.norm(np.diff(camera.from_pixels(corners), axis=0)))
+
     @property
     def reason(self) -> str:
         """Why there is no length; empty where there is one."""
@@ -123,7 +134,6 @@ def measure_gauge(
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     guide: Guide,
-    whole_pixels: bool = False,
 ) -> GaugeImage:
     """The length of a gauge in an image that was taken at a pose but for the head's error.
 
@@ -136,8 +146,6 @@ def measure_gauge(
     ----------
     image
         ``(rows, columns)`` grey values, share of full scale; those of the finder.
-    whole_pixels
-        Each end is put to the nearest corner of pixels, as the paper's locator does.
     """
     nominal = float(np.linalg.norm(np.diff(camera.project(transform(invert(T_part_camera), gauge.points)), axis=0)))
     T_camera_part = invert(guide.T_part_camera)
@@ -153,9 +161,6 @@ def measure_gauge(
         if gauge.bent and first.edge is not None and second.edge is not None:
             first, second = (_of_one_rim(end, first.edge, second.edge) for end in (first, second))
         ends, deviation = (first, second), 0.0
-    if whole_pixels:
-        first, second = (replace(e, found=None if e.found is None else np.floor(e.found) + 0.5) for e in ends)
-        ends = (first, second)
     start, end = ends
     if start.found is None or end.found is None:
         return GaugeImage(ends, nominal, None)
@@ -300,7 +305,7 @@ class _Direction:
 
 @dataclass(frozen=True)
 class _Line:
-    """Of a gauge, mm on the ideal image: two points ``(2, 2)``, and the covariance ``(2, 2)`` of both across it, mm²."""
+    """Of a gauge, mm on the ideal image: two points ``(2, 2)``, and their covariance ``(2, 2)`` across it, mm²."""
 
     points: NDArray[np.float64]
     covariance_mm2: NDArray[np.float64]

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Literal
@@ -19,14 +19,17 @@ from ..io.atomic import write_text_atomically
 from ..io.images import read_grey, write_overlay
 from ..io.plan_reader import PlannedMeasurement, read_plan
 from ..measurement.edges import EdgeFinder
-from ..measurement.gauge_image import ExpectedGauge, GaugeImage, Guide, find_guide, measure_gauge
+from ..measurement.gauge_image import ExpectedGauge, GaugeImage, Guide, find_guide, gauge_windows, measure_gauge
+from ..measurement.length_law import length_law
+from ..part import Dimension, Gauge
 from .inspection import Inspection
 from .progress import Progress, Silent
 from .write import make_folder
 
-__all__ = ["Measured", "Verdict", "measure"]
+__all__ = ["Edges", "Measured", "Verdict", "expected_gauge", "measure", "require_edges"]
 
 Verdict = Literal["pass", "fail", "undecided", "measured", "not measured"]
+Edges = Literal["sub-pixel", "whole-pixel"]
 
 _COVERAGE_FACTOR = 2.0
 _COLOURS = {
@@ -41,17 +44,20 @@ _SUFFIXES = r"\.(png|tif|tiff|bmp|jpg|jpeg)"
 
 @dataclass(frozen=True)
 class Measured:
-    """One dimension in one image.
+    """One dimension in one image, or the mean of its looks in several.
 
     Parameters
     ----------
+    image, setting
+        Of the mean of several looks all of them, joined by " + ".
     measured_mm
         None where it was not measured.
     expanded_uncertainty_mm
-        U = 2 u, of the plan; None where the plan states none.
+        U = 2 u by the errors of head and calibration, and by the noise and contrast of this image; of a mean the
+        plan's. None where it was not measured.
     verdict
         "pass" or "fail" where the value is inside or outside the tolerance by more than U (guarded acceptance and
-        rejection, ISO 14253-1), "undecided" between; "measured" where there is no tolerance or U.
+        rejection, ISO 14253-1), "undecided" between; "measured" where there is no tolerance, or of one look of several.
     reason
         Why it was not measured; else empty.
     """
@@ -73,6 +79,7 @@ def measure(
     images: str | PathLike[str],
     output: str | PathLike[str] | None = None,
     *,
+    edges: Edges = "sub-pixel",
     progress: Progress | None = None,
 ) -> tuple[Measured, ...]:
     """Measure what a plan measures in images that were taken at its settings.
@@ -82,7 +89,10 @@ def measure(
     plan
         Folder of a plan, or its plan.json.
     images
-        Folder with images ``SETTING.png`` or ``SETTING_NUMBER.png`` (or .tif, .bmp, .jpg), undistorted.
+        Folder with images ``SETTING.png`` or ``SETTING_NUMBER.png`` (or .tif, .bmp, .jpg), as the camera gives them:
+        distorted, where the inspection's camera is. Images of the same number are looks of one part.
+    edges
+        "whole-pixel": ends are put to the nearest corner of pixels, as by the 1998 paper's locator.
     output
         Folder for ``measurements.csv`` and a picture of each image with what was found; None for neither.
 
@@ -91,6 +101,7 @@ def measure(
     InputError
         If the plan cannot be read or is another part's, or there is no image of any of its settings.
     """
+    require_edges(edges)
     planned, progress = read_plan(Path(plan)), progress or Silent()
     gauges = {(p.dimension, p.setting): _expected(p, inspection) for p in planned}
     files = _images(Path(images), sorted({p.setting for p in planned}))
@@ -100,15 +111,29 @@ def measure(
         for file, setting in files:
             mine = [p for p in planned if p.setting == setting]
             grey = read_grey(file)
-            seen, why = _seen(grey, mine, [gauges[p.dimension, p.setting] for p in mine], inspection)
-            rows = [_judged(file.name, p, gauge, why) for p, gauge in zip(mine, seen, strict=True)]
+            expected = [gauges[p.dimension, p.setting] for p in mine]
+            seen, why = _seen(grey, mine, expected, inspection)
+            rows = [_judged(file.name, p, gauge, why, inspection, edges) for p, gauge in zip(mine, seen, strict=True)]
             found += rows
             if place is not None:
                 write_overlay(place / f"{file.stem}.png", grey, _drawn(rows, seen))
             advance(1)
+    found += _means(found, planned)
     if place is not None:
         write_text_atomically(place / "measurements.csv", _table(found))
     return tuple(found)
+
+
+def require_edges(edges: str) -> None:
+    """Raise InputError for what is neither "sub-pixel" nor "whole-pixel"."""
+    if edges not in ("sub-pixel", "whole-pixel"):
+        raise InputError("unknown way to find edges", key="edges", got=edges, expected="sub-pixel or whole-pixel")
+
+
+def expected_gauge(dimension: Dimension, gauge: Gauge) -> ExpectedGauge:
+    """What is looked for in an image."""
+    points, normals = np.stack([gauge.start, gauge.end]), (gauge.start_normals, gauge.end_normals)
+    return ExpectedGauge(points, normals, dimension.kind == "diameter", gauge.rim_axis)
 
 
 def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGauge:
@@ -117,8 +142,7 @@ def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGa
         if dimension.id == planned.dimension:
             gauge = dimension.gauge_at(planned.gauge)
             if gauge is not None:
-                normals = (gauge.start_normals, gauge.end_normals)
-                return ExpectedGauge(planned.gauge, normals, dimension.kind == "diameter", gauge.rim_axis)
+                return expected_gauge(dimension, gauge)
     raise InputError(
         "the plan is of another part, or of other dimensions",
         key=planned.dimension,
@@ -152,24 +176,38 @@ def _seen(
     camera, head = inspection.camera, inspection.head
     columns, rows = camera.resolution
     if grey.shape != (rows, columns):
-        return [None] * len(
-            planned
-        ), f"the image is {grey.shape[1]} x {grey.shape[0]} px, the camera's {columns} x {rows}"
-    finder, T = EdgeFinder(grey.astype(np.float64)), planned[0].T_part_camera
+        why = f"the image is {grey.shape[1]} x {grey.shape[0]} px, the camera's {columns} x {rows}"
+        return [None] * len(planned), why
+    T = planned[0].T_part_camera
+    windows = [window for gauge in gauges for window in gauge_windows(gauge, T, camera, head)]
+    finder = EdgeFinder(grey, windows=windows)
     guide: Guide | None = find_guide(finder, gauges, T, camera, head)
     if guide is None:
         return [None] * len(planned), "the part is not seen as planned: edges are missing or elsewhere"
     return [measure_gauge(finder, grey, gauge, T, camera, guide) for gauge in gauges], ""
 
 
-def _judged(image: str, planned: PlannedMeasurement, seen: GaugeImage | None, why: str) -> Measured:
-    U = None if planned.uncertainty_mm is None else _COVERAGE_FACTOR * planned.uncertainty_mm
-    value = None
-    if seen is not None and seen.measured_mm is not None:
-        length = float(np.linalg.norm(planned.gauge[1] - planned.gauge[0]))
-        value = length * seen.measured_mm / seen.nominal_mm
+def _judged(
+    image: str, planned: PlannedMeasurement, seen: GaugeImage | None, why: str, inspection: Inspection, edges: Edges
+) -> Measured:
+    U = value = None
+    whole = edges == "whole-pixel"
+    length = None if seen is None else seen.length_mm(inspection.camera, whole)
+    if seen is not None and length is not None:
+        per_image_mm = float(np.linalg.norm(planned.gauge[1] - planned.gauge[0])) / seen.nominal_mm
+        value = per_image_mm * length
+        law = length_law(
+            planned.gauge,
+            planned.T_part_camera,
+            inspection.camera,
+            inspection.head,
+            seen.deviation_mm,
+            whole_pixels=whole,
+        )
+        U = _COVERAGE_FACTOR * per_image_mm * float(law.std())
     reason = why if seen is None else seen.reason
-    verdict = _verdict(None if value is None else value - planned.nominal_mm, planned, U)
+    one_of_several = planned.looks > 1
+    verdict = _verdict(value, planned, None if one_of_several else U)
     return Measured(
         image,
         planned.setting,
@@ -183,12 +221,45 @@ def _judged(image: str, planned: PlannedMeasurement, seen: GaugeImage | None, wh
     )
 
 
-def _verdict(deviation_mm: float | None, planned: PlannedMeasurement, U: float | None) -> Verdict:
-    if deviation_mm is None:
+def _means(rows: Sequence[Measured], planned: Sequence[PlannedMeasurement]) -> list[Measured]:
+    """Of each dimension of several looks the mean in images of the same number, where all its settings are there."""
+    found = []
+    for name in dict.fromkeys(p.dimension for p in planned if p.looks > 1):
+        mine = [p for p in planned if p.dimension == name]
+        by_number: dict[str, dict[str, Measured]] = {}
+        for row in rows:
+            if row.dimension == name:
+                number = Path(row.image).stem.removeprefix(row.setting)
+                by_number.setdefault(number, {})[row.setting] = row
+        for looks in by_number.values():
+            if looks.keys() != {p.setting for p in mine}:
+                continue
+            of_each = [looks[p.setting] for p in mine]
+            values = [row.measured_mm for row in of_each if row.measured_mm is not None]
+            complete = len(values) == len(of_each)
+            value = sum(values) / len(values) if complete else None
+            u = mine[0].uncertainty_mm
+            U = None if u is None or value is None else _COVERAGE_FACTOR * u
+            found.append(
+                replace(
+                    of_each[0],
+                    image=" + ".join(row.image for row in of_each),
+                    setting=" + ".join(row.setting for row in of_each),
+                    measured_mm=value,
+                    expanded_uncertainty_mm=U,
+                    verdict=_verdict(value, mine[0], U),
+                    reason="" if complete else "not measured in all its looks",
+                )
+            )
+    return found
+
+
+def _verdict(value_mm: float | None, planned: PlannedMeasurement, U: float | None) -> Verdict:
+    if value_mm is None:
         return "not measured"
-    if planned.tolerance_mm is None or U is None or planned.looks > 1:  # U of several looks is that of their mean
+    if planned.tolerance_mm is None or U is None:
         return "measured"
-    lower, upper = planned.tolerance_mm
+    (lower, upper), deviation_mm = planned.tolerance_mm, value_mm - planned.nominal_mm
     if lower + U <= deviation_mm <= upper - U:
         return "pass"
     return "fail" if deviation_mm < lower - U or deviation_mm > upper + U else "undecided"

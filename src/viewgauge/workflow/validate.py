@@ -1,0 +1,335 @@
+"""Is the law of the error true? Displaced looks are rendered and measured, and their errors held against the law.
+
+What predicts sees the inspection, and of each setting one image without noise or displacement, for contrast: nothing of
+the looks that it is judged on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import Evaluator
+from ..exceptions import InputError, NoCandidateError
+from ..geometry import Camera, PoseError
+from ..measurement.edges import EdgeFinder
+from ..measurement.gauge_image import ExpectedGauge, GaugeImage, find_guide, gauge_windows, measure_gauge
+from ..measurement.length_law import length_law
+from ..planning import without_allowed_error
+from ..simulation.displaced_poses import displaced_poses
+from ..simulation.partial_image import partial_image
+from ..simulation.renderer import Renderer
+from ..simulation.sensor import Sensor
+from ..simulation.true_camera import true_camera
+from .chunks import EvaluationJob, candidate_grid, evaluator_of
+from .evaluate import SettingsLike, settings_of
+from .execution import Executor, InProcess
+from .inspection import ExplicitSettings, Inspection
+from .measure import Edges, expected_gauge, require_edges
+from .progress import Progress, Silent
+
+__all__ = ["LEVELS", "Coverage", "ValidatedPair", "Validation", "validate"]
+
+LEVELS = (0.68, 0.95, 0.99)
+"""Of the intervals whose coverage is counted."""
+
+_LIMITS = 0.99  # of the counts that are expected where the law is true
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How many of so many errors lie in the interval that the law holds for ``level`` of them.
+
+    ``low`` and ``high`` are the counts that a true law keeps with a probability of 99 % (binomial law).
+    """
+
+    level: float
+    inside: int
+    looks: int
+    low: int
+    high: int
+
+    @classmethod
+    def of(cls, probabilities: NDArray[np.float64], level: float) -> Coverage:
+        """From the probability, by the law, of errors less far out than each error (uniform if the law is true)."""
+        from scipy.stats import binom
+
+        n, tail = len(probabilities), (1 - _LIMITS) / 2
+        low, high = (int(binom.ppf(q, n, level)) for q in (tail, 1 - tail)) if n else (0, 0)
+        return cls(level, int((probabilities <= level).sum()), n, low, high)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the count is what is expected of a true law."""
+        return self.low <= self.inside <= self.high
+
+
+@dataclass(frozen=True)
+class ValidatedPair:
+    """A dimension from a setting.
+
+    Parameters
+    ----------
+    predicted_px, location_px
+        Standard deviation of the image length, all of it, and of the ends' location alone, px.
+    errors_px
+        ``(looks,)``: measured less nominal image length, px; NaN where it was not measured.
+    probability
+        ``(looks,)``: by the law, of errors less far from zero than this.
+    """
+
+    setting: str
+    dimension: str
+    length_px: float
+    predicted_px: float
+    location_px: float
+    errors_px: NDArray[np.float64]
+    probability: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What came of the looks.
+
+    Parameters
+    ----------
+    pairs
+        Of those that an image without noise and displacement can be measured in.
+    refused
+        Pairs that it cannot, with the reason.
+    drawn
+        ``(n,)``: the probabilities of one dimension of each look, drawn before it was taken: independent of each other.
+    drawn_unmeasured
+        Looks in which the drawn one could not be measured.
+    """
+
+    edges: Edges
+    settings: int
+    looks: int
+    pairs: tuple[ValidatedPair, ...]
+    refused: tuple[tuple[str, str, str], ...]
+    drawn: NDArray[np.float64]
+    drawn_unmeasured: int
+
+    def coverage(self) -> tuple[Coverage, ...]:
+        """Over all looks, one dimension of each."""
+        return tuple(Coverage.of(self.drawn, level) for level in LEVELS)
+
+    def coverage_of(self, dimension: str) -> tuple[Coverage, ...]:
+        """Of one dimension, over all looks that it was measured in."""
+        found = [pair.probability for pair in self.pairs if pair.dimension == dimension]
+        values = np.concatenate(found) if found else np.zeros(0)
+        values = values[np.isfinite(values)]
+        return tuple(Coverage.of(values, level) for level in LEVELS)
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    inspection: Inspection
+    settings: ExplicitSettings
+    evaluation: EvaluationJob
+    looks: int
+    sensor: Sensor
+    edges: tuple[Edges, ...]
+    rays_per_pixel: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """Of one setting, by the way of finding edges."""
+
+    pairs: dict[Edges, list[ValidatedPair]]
+    refused: list[tuple[str, str, str]]
+    drawn: dict[Edges, list[float]]
+
+
+def validate(
+    inspection: Inspection,
+    settings: SettingsLike = None,
+    *,
+    sample: int = 20,
+    looks: int = 100,
+    sensor: Sensor | None = None,
+    edges: Sequence[Edges] = ("sub-pixel",),
+    rays_per_pixel: int = 34,
+    seed: int | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+) -> dict[Edges, Validation]:
+    """Hold the law of the error against displaced looks, rendered and measured.
+
+    Each look has its own draw of the head's and of the calibration's errors and of the noise. Only what is looked at
+    is rendered.
+
+    Parameters
+    ----------
+    settings
+        As of :func:`~viewgauge.evaluate`; where neither they nor the inspection name any, ``sample`` of the candidates
+        that see something are drawn.
+    looks
+        Of each setting.
+    edges
+        How edges are found in the same images: "sub-pixel", "whole-pixel".
+    executor
+        Where settings are worked on (:func:`~viewgauge.workflow.open_executor`); by default in this process.
+
+    Returns
+    -------
+    By the way of finding edges.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+    NoCandidateError
+        If no candidate sees a dimension.
+    """
+    for name, value in (("looks", looks), ("sample", sample)):
+        if value < 1:
+            raise InputError("at least one", key=name, got=value)
+    for how in edges:
+        require_edges(how)
+    seed = inspection.seed if seed is None else seed
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    if settings is None and inspection.settings is None:
+        chosen = _drawn_settings(inspection, sample, seed)
+    else:
+        chosen = settings_of(inspection, settings)
+    evaluation = EvaluationJob.of(inspection, dimensions, chosen)
+    job = _Job(inspection, chosen, evaluation, looks, sensor or Sensor(), tuple(edges), rays_per_pixel, seed)
+    outcomes: dict[int, _Outcome] = {}
+    progress, executor = progress or Silent(), executor or InProcess()
+    with progress.stage(f"Simulating and measuring {len(chosen) * looks} looks", len(chosen)) as advance:
+        for index, outcome in executor.run(_validated_setting, job, list(range(len(chosen)))):
+            outcomes[index] = outcome
+            advance(1)
+    return {how: _gathered(how, [outcomes[k] for k in range(len(chosen))], looks) for how in edges}
+
+
+def _gathered(how: Edges, outcomes: Sequence[_Outcome], looks: int) -> Validation:
+    drawn = np.array([value for outcome in outcomes for value in outcome.drawn[how]])
+    return Validation(
+        how,
+        len(outcomes),
+        looks,
+        tuple(pair for outcome in outcomes for pair in outcome.pairs[how]),
+        tuple(refusal for outcome in outcomes for refusal in outcome.refused),
+        drawn[np.isfinite(drawn)],
+        int(np.isnan(drawn).sum()),
+    )
+
+
+def _drawn_settings(inspection: Inspection, count: int, seed: int) -> ExplicitSettings:
+    """Candidates that see something, drawn at random."""
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    if not dimensions:
+        raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
+    grid = candidate_grid(inspection, dimensions)
+    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, grid))
+    rng, found = np.random.default_rng([seed, 7]), []
+    for index in rng.permutation(len(grid)).tolist():
+        pose = grid.poses(index, index + 1)
+        if _seen(evaluator, pose[0]):
+            found.append((f"C{index + 1}", pose[0]))
+        if len(found) == count:
+            break
+    if not found:
+        raise NoCandidateError("no candidate sees a dimension: see viewgauge check")
+    return ExplicitSettings(tuple(name for name, _ in found), np.array([pose for _, pose in found]))
+
+
+def _seen(evaluator: Evaluator, T_part_camera: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Dimensions that a setting sees, with the gauge of each, by index."""
+    table = evaluator.table(T_part_camera[None])
+    return [(int(d), int(table.gauge[0, d])) for d in np.flatnonzero(table.visible[0])]
+
+
+@lru_cache(maxsize=1)
+def _renderer_of(job: _Job) -> Renderer:
+    mesh = job.inspection.part.mesh
+    return Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=job.rays_per_pixel)
+
+
+def _validated_setting(job: _Job, index: int) -> _Outcome:
+    """All looks of one setting."""
+    inspection, sensor, name = job.inspection, job.sensor, job.settings.ids[index]
+    camera, T = inspection.camera, job.settings.T_part_camera[index]
+    head = PoseError(inspection.head.covariance, T_camera_head=inspection.head.T_camera_head)  # none in common
+    dimensions = job.evaluation.dimensions
+    gauges = {
+        dimensions[d].id: expected_gauge(dimensions[d], dimensions[d].gauges[g])
+        for d, g in _seen(evaluator_of(job.evaluation), T)
+    }
+    windows = [window for gauge in gauges.values() for window in gauge_windows(gauge, T, camera, head)]
+    renderer, expected, full = _renderer_of(job), list(gauges.values()), 2**sensor.bits - 1
+    noise = float(np.hypot(sensor.noise, 1 / full / np.sqrt(12)))
+
+    def measured(pose: NDArray[np.float64], sensor: Sensor, true: Camera, rng: np.random.Generator) -> list[_Seen]:
+        image = partial_image(renderer, sensor, pose, true, windows, rng) / full
+        finder = EdgeFinder(image, noise, windows)
+        guide = find_guide(finder, expected, T, camera, head)
+        if guide is None:
+            return [None] * len(expected)
+        return [measure_gauge(finder, image, gauge, T, camera, guide) for gauge in expected]
+
+    clean = measured(T, replace(sensor, noise=0.0), camera, np.random.default_rng(0))
+    known = [k for k, seen in enumerate(clean) if seen is not None and seen.measured_mm is not None]
+    refused = [
+        (name, dimension, "the part is not seen as planned" if seen is None else seen.reason)
+        for dimension, seen in zip(gauges, clean, strict=True)
+        if seen is None or seen.measured_mm is None
+    ]
+    poses = displaced_poses(T, head, job.looks, np.random.default_rng([job.seed, index]))
+    draw = np.random.default_rng([job.seed, index, 1])
+    choice = draw.integers(len(known), size=job.looks) if known else np.zeros(0, np.int64)
+    looks = []
+    for look in range(job.looks if known else 0):
+        rng = np.random.default_rng([job.seed, index, 2, look])
+        looks.append(measured(poses[look], sensor, true_camera(camera, rng), rng))
+    outcome = _Outcome({how: [] for how in job.edges}, refused, {how: [] for how in job.edges})
+    for how in job.edges:
+        for k in known:
+            gauge, nominal = expected[k], clean[k]
+            assert nominal is not None  # known
+            seen = [found[k] for found in looks]
+            outcome.pairs[how].append(_pair(name, list(gauges)[k], gauge, nominal, seen, T, camera, head, how))
+        outcome.drawn[how] += [float(outcome.pairs[how][c].probability[look]) for look, c in enumerate(choice)]
+    return outcome
+
+
+_Seen = GaugeImage | None
+
+
+def _pair(
+    setting: str,
+    dimension: str,
+    gauge: ExpectedGauge,
+    nominal: GaugeImage,
+    seen: Sequence[_Seen],
+    T_part_camera: NDArray[np.float64],
+    camera: Camera,
+    head: PoseError,
+    how: Edges,
+) -> ValidatedPair:
+    whole = how == "whole-pixel"
+    law = length_law(gauge.points, T_part_camera, camera, head, nominal.deviation_mm, whole_pixels=whole)
+    lengths = [None if found is None else found.length_mm(camera, whole) for found in seen]
+    errors = np.array([np.nan if length is None else length - nominal.nominal_mm for length in lengths])
+    probability = np.full(len(errors), np.nan)
+    good = np.isfinite(errors)
+    probability[good] = law.central_probability(np.abs(errors[good]))
+    px = min(camera.pixel_pitch_mm)
+    return ValidatedPair(
+        setting,
+        dimension,
+        nominal.nominal_mm / px,
+        float(law.std()) / px,
+        nominal.deviation_mm / px,
+        errors / px,
+        probability,
+    )
