@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
-from ..errors import edge_point_deviation
 from ..geometry import Window
 
 __all__ = ["SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
@@ -16,13 +16,18 @@ __all__ = ["SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
 SPLINE_MARGIN_PX = 8
 """Splines of a part of an image are those of the whole, to 1e-4, so far inside it."""
 
-_STEP_PX = 0.25  # along profiles
+_STEP_PX, _FINE_STEP_PX = 0.25, 0.1  # along profiles
 _SMOOTHED_PX = 1.0  # of the derivative of a Gaussian, beside the image's own blur
 _CLEAR_PROFILE, _CLEAR_EDGE = 3.5, 6.0  # slope, and step of all profiles together, over those of the noise
 _AS_STRONG = 0.6  # of the strongest edge on a profile: nearer ones are preferred if they are as strong as this
 _TURNED, _TURNED_BENT = 0.008, 0.06  # of the edge's direction against the expected one, rad
 _AGREE = 0.7  # share of profiles that have to agree with the fit
 _NEAR_PX = 1.0  # to the fit
+_PROFILE_STEP_PX, _HALF_PROFILE_PX = 0.5, (3.5, 6.0)  # of the fit of a profile
+_STRAIGHT, _STRAIGHT_PX = 1.7, 0.05  # of what a fit leaves: times the noise, and by sampling
+_BENDS = 3.5  # standard deviations of a curvature that is no chance
+_ROUNDS, _MOVED_PX = 4, 1.0
+_LEFT, _LEFT_NOISE = 0.04, 3.0  # of a mean profile that is an edge's: share of the step, times the noise
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,104 @@ class Edge:
         return np.asarray(min(places, key=lambda p: float(np.linalg.norm(p - self.point))))
 
 
+@dataclass(frozen=True)
+class Refined:
+    """Edges of profiles.
+
+    Parameters
+    ----------
+    offset
+        ``(k,)`` px; NaN where the fit ran away.
+    contrast
+        ``(k,)``: step of grey values, with its sign.
+    left
+        ``(k, m)``: what the fit left of each profile.
+    noise
+        Of a pixel.
+    """
+
+    offset: NDArray[np.float64]
+    contrast: NDArray[np.float64]
+    left: NDArray[np.float64]
+    noise: float
+
+    def crowded(self, kept: NDArray[np.bool_]) -> bool:
+        """Whether the mean profile is not that of one edge: another lies so near that it moves this one."""
+        sign = np.sign(self.contrast[kept])
+        mean = (self.left[kept] * sign[:, None]).mean(axis=0)
+        rms = float(np.sqrt((mean**2).mean()))
+        step = float(np.abs(self.contrast[kept]).mean())
+        return bool(rms > _LEFT * step + _LEFT_NOISE * self.noise / np.sqrt(kept.sum()))
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    shift: NDArray[np.float64]
+    contrast: NDArray[np.float64]
+    left: NDArray[np.float64]
+
+
+class _ProfileModel:
+    """A profile ``c0 + c1 s + A Phi(s/w) + c2 (s Phi(s/w) + w phi(s/w))``, s px from the edge."""
+
+    def __init__(self, width_px: float) -> None:
+        w = max(width_px, 0.3)
+        half = float(np.clip(4 * w, *_HALF_PROFILE_PX))
+        self.grid = np.arange(-half, half + 1e-9, _PROFILE_STEP_PX)
+        z = self.grid / w
+        self._cdf, self._pdf = ndtr(z), np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi)
+        self._w = w
+        basis = np.stack([np.ones_like(z), self.grid, self._cdf, self.grid * self._cdf + w * self._pdf], axis=1)
+        self._solve = np.linalg.pinv(basis)
+        self._rest = np.eye(len(z)) - basis @ self._solve
+
+    @property
+    def information(self) -> float:
+        """Of where the edge is, per px², for a step of 1 in noise of 1 a pixel."""
+        slope = self._rest @ (self._pdf / self._w)
+        return float(slope @ slope) * _PROFILE_STEP_PX
+
+    def fitted(self, grey: NDArray[np.float64]) -> _Fitted:
+        """How far from the middle of profiles ``(k, m)`` their edges are, in one step of Gauss and Newton."""
+        c = grey @ self._solve.T
+        left = grey @ self._rest
+        moving = -(c[:, 1, None] + c[:, 2, None] * self._pdf / self._w + c[:, 3, None] * self._cdf) @ self._rest
+        size = (moving**2).sum(axis=1)
+        shift = np.divide((moving * left).sum(axis=1), size, out=np.zeros(len(c)), where=size > 0)
+        return _Fitted(shift, c[:, 2], left)
+
+
+def _agreeing(
+    t: NDArray[np.float64], offset: NDArray[np.float64], good: NDArray[np.bool_], order: int
+) -> NDArray[np.bool_] | None:
+    """Which profiles agree with a polynomial; None where too few do."""
+    least = max(_AGREE * len(t), order + 2)
+    if good.sum() < least:
+        return None
+    kept = good.copy()
+    for _ in range(4):
+        fit = np.polyfit(t[kept], offset[kept], order)
+        left = np.abs(np.where(good, offset, np.inf) - np.polyval(fit, t))
+        again = left <= max(_NEAR_PX, 2.5 * float(np.median(left[kept])))
+        if again.sum() < least:
+            return None
+        if (again == kept).all():
+            break
+        kept = again
+    return kept
+
+
+def _bends(t: NDArray[np.float64], offset: NDArray[np.float64], deviation_px: float) -> bool:
+    """Whether points are on no straight line, beyond doubt by noise: another edge is near one end."""
+    if len(t) < 6:
+        return False
+    middle, half = t.mean(), np.ptp(t) / 2
+    design = np.vander((t - middle) / half, 3)
+    curvature = np.linalg.lstsq(design, offset, rcond=None)[0][0]
+    chance = deviation_px * np.sqrt(np.linalg.inv(design.T @ design)[0, 0])
+    return bool(abs(curvature) > _BENDS * chance + _STRAIGHT_PX)
+
+
 class EdgeFinder:
     """Finds edges in one image.
 
@@ -144,35 +247,34 @@ class EdgeFinder:
         across = np.broadcast_to([-along[1], along[0]], (len(t), 2))
         offset, _ = self.offsets(point + t[:, None] * along, across, reach_px)
         good = np.isfinite(offset)
-        if good.sum() < max(_AGREE * len(t), 5 if bent else 3):
-            return None
         order = 2 if bent else 1
-        kept = good.copy()
-        for _ in range(4):
-            fit = np.polyfit(t[kept], offset[kept], order)
-            left = np.abs(np.where(good, offset, np.inf) - np.polyval(fit, t))
-            again = left <= max(_NEAR_PX, 2.5 * np.median(left[kept]))
-            if again.sum() < max(_AGREE * len(t), order + 2):
-                return None
-            if (again == kept).all():
-                break
-            kept = again
-        fit = np.polyfit(t[kept], offset[kept], order)
-        residual = offset[kept] - np.polyval(fit, t[kept])
-        chance = 4 * residual.std() * np.sqrt(12 / kept.sum()) / np.ptp(t[kept])  # what noise may turn it by
+        kept = _agreeing(t, offset, good, order)
+        if kept is None:
+            return None
+        t, offset, across, least = t[kept], offset[kept], across[kept], _AGREE * len(t)
+        _, width = self.step(point + t[:, None] * along + offset[:, None] * across, across)
+        sharp = self.refined(point + t[:, None] * along, across, offset, width)
+        kept = _agreeing(t, sharp.offset, np.isfinite(sharp.offset), order)
+        if kept is None or kept.sum() < least or sharp.crowded(kept):
+            return None
+        t, offset, across = t[kept], sharp.offset[kept], across[kept]
+        fit = np.polyfit(t, offset, order)
+        residual = offset - np.polyval(fit, t)
+        chance = 4 * residual.std() * np.sqrt(12 / len(t)) / np.ptp(t)  # what noise may turn it by
         if abs(fit[-2]) > (_TURNED_BENT if bent else _TURNED) + chance:
             return None
         coefficients = np.array([*fit[::-1], 0.0, 0.0])[:3]
-        curve = point + t[:, None] * along + np.polyval(fit, t)[:, None] * across
-        contrast, width = self.step(curve[kept], across[kept])
-        if contrast < _CLEAR_EDGE * self.noise / np.sqrt(len(t)):
+        contrast = float(np.median(np.abs(sharp.contrast[kept])))
+        if contrast < _CLEAR_EDGE * self.noise / np.sqrt(len(places_px)):
             return None
-        design = np.vander(t[kept], order + 1, increasing=True)
+        design = np.vander(t, order + 1, increasing=True)
         shape = np.zeros((3, 3))
         shape[: order + 1, : order + 1] = np.linalg.inv(design.T @ design)
-        variance = self.point_deviation_px(contrast, width) ** 2
-        rms = float(np.sqrt((residual**2).mean()))
-        return Edge(point, along, coefficients, variance * shape, rms, width, float(contrast))
+        deviation, rms = self.point_deviation_px(contrast, width), float(np.sqrt((residual**2).mean()))
+        if rms > _STRAIGHT * deviation + _STRAIGHT_PX or (not bent and _bends(t, offset, deviation)):
+            return None
+        variance = deviation**2
+        return Edge(point, along, coefficients, variance * shape, rms, width, contrast)
 
     def offsets(
         self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float
@@ -213,21 +315,45 @@ class EdgeFinder:
         across
             ``(k, 2)``: unit.
         """
-        s = np.arange(-6.0, 6.0 + 1e-9, _STEP_PX)
+        beside, near = np.arange(2.0, 4.0 + 1e-9, _STEP_PX), np.arange(-1.0, 1.0 + 1e-9, _FINE_STEP_PX)
+        s = np.concatenate([-beside, beside, near])
         grey = self._at(places[:, None] + s[:, None] * across[:, None]).mean(axis=0)
-        middle = np.abs(s) <= 1.0
-        side = grey[(s >= 2) & (s <= 4)].mean() - grey[(s >= -4) & (s <= -2)].mean()
-        slope = np.gradient(grey, _STEP_PX)
-        steepest = float(np.abs(slope[middle]).max())
-        width = abs(side) / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
-        return abs(float(side)), float(width)
+        n = len(beside)
+        side = abs(float(grey[n : 2 * n].mean() - grey[:n].mean()))
+        steepest = float(np.abs(np.diff(grey[2 * n :])).max()) / _FINE_STEP_PX
+        return side, side / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
+
+    def refined(
+        self, places: NDArray[np.float64], across: NDArray[np.float64], offset: NDArray[np.float64], width_px: float
+    ) -> Refined:
+        """Edges fitted by a blurred step between two straight ramps, from a first guess of where they are.
+
+        Least squares over where the edge is, its step, and level and slope on either side (variable projection; Golub
+        and Pereyra, *SIAM J. Numer. Anal.* 10 (1973) 413-432): shading beside an edge does not move it.
+
+        Parameters
+        ----------
+        places, across
+            As of :meth:`offsets`.
+        offset
+            ``(k,)``: of the first guess, px.
+        width_px
+            Standard deviation of the blur, the pixel's included.
+        """
+        model = _ProfileModel(width_px)
+        at = offset.copy()
+        for _ in range(_ROUNDS):
+            grey = self._at(places[:, None] + (at[:, None] + model.grid)[..., None] * across[:, None])
+            found = model.fitted(grey)
+            at = at + np.clip(found.shift, -0.5, 0.5)
+        at = np.where(np.abs(at - offset) <= _MOVED_PX, at, np.nan)
+        return Refined(at, found.contrast, found.left, self.noise)
 
     def point_deviation_px(self, contrast: float, width_px: float) -> float:
-        """Standard deviation of one edge point by the image's noise, across the edge, px (Canny 1986)."""
+        """Standard deviation of one edge point (:meth:`refined`) by the image's noise, across the edge, px."""
         if self.noise <= 0 or contrast <= 0:
             return 0.0
-        blur = np.sqrt(max(width_px**2 - 1 / 12, 0.0))  # the pixel's own is counted with it
-        return float(edge_point_deviation(contrast / self.noise, blur, smoothing_px=_SMOOTHED_PX))
+        return self.noise / contrast / _ProfileModel(width_px).information ** 0.5
 
     def contrast_of(self, slope: NDArray[np.float64], width_px: float) -> NDArray[np.float64]:
         """Step of grey values of edges that are so steep (:meth:`offsets`) and so wide."""

@@ -25,6 +25,7 @@ _HALF_PX, _CLEAR_OF_CORNER_PX = 9.0, 5.0
 _THROUGH = np.arange(-_HALF_PX, _HALF_PX + 1)
 _AFTER_CORNER = np.arange(_CLEAR_OF_CORNER_PX, 2 * _HALF_PX + 1)
 _AT_CORNER = (_AFTER_CORNER, -_AFTER_CORNER)
+_ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or another edge is near
 _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
 _EDGE_PX = 0.05  # by which a clear edge is off without noise: sampling by pixels
@@ -235,6 +236,8 @@ def find_guide(
                         offsets.append(a + b * middle + c * middle**2)
                         variances.append(edge.variance_at(place + middle * along.unit))
                         rows.append(edge.across @ J)
+                        if along.spans is _ON_EDGE:
+                            break
     if len(offsets) < _FEWEST_EDGES:
         return None
     A, y, variance = np.array(rows), np.array(offsets), np.array(variances) + _EDGE_PX**2
@@ -291,7 +294,7 @@ def image_directions(
         image = camera.to_pixels(camera.project(np.stack([point - step, point + step])))
         run = image[1] - image[0]
         if np.linalg.norm(run) > 0:
-            found.append(_Direction(run / np.linalg.norm(run), _AT_CORNER if leaning else (_THROUGH,)))
+            found.append(_Direction(run / np.linalg.norm(run), _AT_CORNER if leaning else _ON_EDGE))
     return found
 
 

@@ -73,9 +73,14 @@ def find_rim(
     good &= slope * turned >= _FAINT * clearest
     if good.sum() < _AGREE * count:
         return None
-    edge_px, across, slope = places[good] + offset[good, None] * across[good], across[good], slope[good]
-    width = _width(finder, edge_px, across, slope)
-    contrast = finder.contrast_of(slope, width)
+    guess = places[good] + offset[good, None] * across[good]
+    width = _width(finder, guess, across[good], slope[good])
+    sharp = finder.refined(places[good], across[good], offset[good], width)
+    kept = np.isfinite(sharp.offset) & (sharp.contrast * turned > _FAINT * np.median(np.abs(sharp.contrast)))
+    if kept.sum() < _AGREE * count:
+        return None
+    edge_px = (places[good] + sharp.offset[:, None] * across[good])[kept]
+    contrast = np.abs(sharp.contrast[kept])
     # what lies beside a faint edge moves it the more, the fainter it is
     deviation_px = np.array([finder.point_deviation_px(value, width) for value in contrast])
     deviation_px = np.hypot(deviation_px, _EDGE_PX * contrast.max() / contrast)

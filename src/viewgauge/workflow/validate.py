@@ -267,9 +267,12 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
     }
     windows = [window for gauge in gauges.values() for window in gauge_windows(gauge, T, camera, head)]
     renderer, expected, full = _renderer_of(job), list(gauges.values()), 2**sensor.bits - 1
-    noise = float(np.hypot(sensor.noise, 1 / full / np.sqrt(12)))
+    rounding = 1 / full / np.sqrt(12)
+    noise, rehearsal = float(np.hypot(sensor.noise, rounding)), replace(sensor, noise=0.0)
 
-    def measured(pose: NDArray[np.float64], sensor: Sensor, true: Camera, rng: np.random.Generator) -> list[_Seen]:
+    def measured(
+        pose: NDArray[np.float64], sensor: Sensor, true: Camera, rng: np.random.Generator, noise: float = noise
+    ) -> list[_Seen]:
         image = partial_image(renderer, sensor, pose, true, windows, rng) / full
         finder = EdgeFinder(image, noise, windows)
         guide = find_guide(finder, expected, T, camera, head)
@@ -277,7 +280,11 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
             return [None] * len(expected)
         return [measure_gauge(finder, image, gauge, T, camera, guide) for gauge in expected]
 
-    clean = measured(T, replace(sensor, noise=0.0), camera, np.random.default_rng(0))
+    strict = measured(T, rehearsal, camera, np.random.default_rng(0), rounding)
+    clean = [
+        seen if clear is not None and clear.measured_mm is not None else clear
+        for clear, seen in zip(strict, measured(T, rehearsal, camera, np.random.default_rng(0)), strict=True)
+    ]
     known = [k for k, seen in enumerate(clean) if seen is not None and seen.measured_mm is not None]
     refused = [
         (name, dimension, "the part is not seen as planned" if seen is None else seen.reason)
