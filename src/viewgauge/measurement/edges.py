@@ -11,10 +11,13 @@ from scipy.special import ndtr
 
 from ..geometry import Window
 
-__all__ = ["SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
+__all__ = ["BIAS_PX", "SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
 
 SPLINE_MARGIN_PX = 8
 """Splines of a part of an image are those of the whole, to 1e-4, so far inside it."""
+
+BIAS_PX = 0.02
+"""Standard uncertainty of where a clear edge is beside noise, px: pixels sample, and shading is not straight."""
 
 _STEP_PX, _FINE_STEP_PX = 0.25, 0.1  # along profiles
 _SMOOTHED_PX = 1.0  # of the derivative of a Gaussian, beside the image's own blur
@@ -41,7 +44,7 @@ class Edge:
     coefficients
         a, b, c.
     covariance
-        ``(3, 3)`` of them, by the image's noise.
+        ``(3, 3)`` of them, by the image's noise and :data:`BIAS_PX`.
     residual_px
         Root mean square of the profiles about the fit.
     width_px
@@ -273,8 +276,9 @@ class EdgeFinder:
         deviation, rms = self.point_deviation_px(contrast, width), float(np.sqrt((residual**2).mean()))
         if rms > _STRAIGHT * deviation + _STRAIGHT_PX or (not bent and _bends(t, offset, deviation)):
             return None
-        variance = deviation**2
-        return Edge(point, along, coefficients, variance * shape, rms, width, contrast)
+        covariance = deviation**2 * shape
+        covariance[0, 0] += BIAS_PX**2
+        return Edge(point, along, coefficients, covariance, rms, width, contrast)
 
     def offsets(
         self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float

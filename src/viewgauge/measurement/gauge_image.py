@@ -28,7 +28,6 @@ _AT_CORNER = (_AFTER_CORNER, -_AFTER_CORNER)
 _ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or another edge is near
 _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
-_EDGE_PX = 0.05  # by which a clear edge is off without noise: sampling by pixels
 _SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
 _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
 _FURTHER_PX = 2.0
@@ -240,7 +239,7 @@ def find_guide(
                             break
     if len(offsets) < _FEWEST_EDGES:
         return None
-    A, y, variance = np.array(rows), np.array(offsets), np.array(variances) + _EDGE_PX**2
+    A, y, variance = np.array(rows), np.array(offsets), np.array(variances)
     factor = error.factor
     scaled, twist = A @ factor, np.zeros(6)
     posterior: NDArray[np.float64]

@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Camera
-from .edges import EdgeFinder
+from .edges import BIAS_PX, EdgeFinder
 
 __all__ = ["Rim", "find_rim", "rim_points"]
 
 _MOST, _FEWEST = 400, 24  # profiles
 _AGREE, _NEAR_PX = 0.5, 1.0  # share of profiles, and how near to the ellipse
-_LARGEST_GAP = np.radians(140)  # seen from the centre
+_CLEAR, _LARGEST_GAP = 0.3, np.radians(120)  # of the contrast of the clearest; seen from the centre
 _FAINT = 0.12  # of the clearest: fainter edge points are moved by the shading beside them, and left out
-_EDGE_PX = 0.03  # by which a clear edge is off without noise: sampling by pixels
 _SCALES = (60.0, 30.0, 15.0, 8.0, 4.0, 3.0, 3.0, 3.0)  # deviations from which on a point counts as another edge's
 
 
@@ -29,7 +28,7 @@ class Rim:
     ends
         ``(2, 2)`` mm: of its chord through its centre in the gauge's direction.
     variance_mm2
-        Of the chord's length, by the image's noise.
+        Of the chord's length, by the image's noise and :data:`~viewgauge.measurement.edges.BIAS_PX`.
     width_px
         Of the edge, where it is clear (:class:`~viewgauge.measurement.edges.Edge`).
     """
@@ -83,7 +82,7 @@ def find_rim(
     contrast = np.abs(sharp.contrast[kept])
     # what lies beside a faint edge moves it the more, the fainter it is
     deviation_px = np.array([finder.point_deviation_px(value, width) for value in contrast])
-    deviation_px = np.hypot(deviation_px, _EDGE_PX * contrast.max() / contrast)
+    deviation_px = np.hypot(deviation_px, BIAS_PX * (contrast.max() / contrast) ** 2)
     expected = camera.from_pixels(places)
     middle, scale = expected.mean(axis=0), float(np.abs(expected - expected.mean(axis=0)).max())
     deviation = deviation_px * min(camera.pixel_pitch_mm) / scale
@@ -93,7 +92,10 @@ def find_rim(
         off = np.abs(_distance(conic, p)) / deviation
         conic = _fitted(p, 1 / (deviation * (1 + (off / factor) ** 2)) ** 2, conic)
     near = np.abs(_distance(conic, p)) <= np.maximum(4 * deviation, _NEAR_PX * min(camera.pixel_pitch_mm) / scale)
-    if near.sum() < _AGREE * count or not _is_ellipse(conic) or _gap(p[near] - _centre(conic)) > _LARGEST_GAP:
+    if near.sum() < _AGREE * count or not _is_ellipse(conic):
+        return None
+    clear = near & (contrast >= _CLEAR * contrast.max())
+    if _gap(p[clear] - _centre(conic)) > _LARGEST_GAP:
         return None
     run = np.diff(camera.project(points), axis=0)[0]
     length = np.linalg.norm(run)
@@ -102,7 +104,9 @@ def find_rim(
     longer = scale * np.linalg.norm(np.diff(_chord(nominal, direction), axis=0)) / length
     chord = _chord(conic, direction)
     chord = chord.mean(axis=0) + (chord - chord.mean(axis=0)) / longer
-    variance = scale**2 * _chord_variance(conic, p[near], deviation[near], direction)
+    # what is the same all round does not average out, and counts at both ends
+    systematic = 2 * BIAS_PX * min(camera.pixel_pitch_mm)
+    variance = scale**2 * _chord_variance(conic, p[near], deviation[near], direction) + systematic**2
     return Rim(middle + scale * chord, float(variance), width)
 
 
