@@ -36,6 +36,7 @@ PUBLIC = [
     "simulate",
     "specify",
     "success_probability",
+    "validate",
     "write_evaluation",
     "write_plan",
 ]

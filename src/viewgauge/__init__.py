@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         simulate,
         specify,
         success_probability,
+        validate,
         write_evaluation,
         write_plan,
     )
@@ -77,6 +78,7 @@ _HOME = {
             "simulate",
             "specify",
             "success_probability",
+            "validate",
             "write_evaluation",
             "write_plan",
         ),
@@ -113,6 +115,7 @@ __all__ = [
     "simulate",
     "specify",
     "success_probability",
+    "validate",
     "write_evaluation",
     "write_plan",
 ]

@@ -21,7 +21,7 @@ from cyclopts import App, CycloptsError, Parameter
 from ..exceptions import ViewgaugeError
 from .camera import camera
 from .head import characterize
-from .images import measure, simulate
+from .images import measure, simulate, validate
 from .inverse import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
@@ -217,6 +217,7 @@ app.command(characterize, name="characterize")
 app.command(camera, name="camera")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
+app.command(validate, name="validate")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -11,11 +11,11 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from .options import DONE, NOT_MET, Json, PartFile, count, whole_number
+from .options import DONE, NOT_MET, Json, PartFile, Workers, count, whole_number
 from .output import print_json
 from .progress import Bars
 
-__all__ = ["measure", "simulate"]
+__all__ = ["measure", "simulate", "validate"]
 
 
 def simulate(
@@ -30,6 +30,8 @@ def simulate(
     bits: Annotated[int, Parameter(converter=whole_number)] = 8,
     black_and_white: Annotated[bool, Parameter(negative="")] = False,
     rays: Annotated[int, Parameter(converter=whole_number)] = 34,
+    only: str | None = None,
+    chord_error: float | None = None,
     seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
     part: PartFile = None,
     json: Json = False,
@@ -58,16 +60,28 @@ def simulate(
         A pixel is on when the part covers more than half of it; no blur, no noise.
     rays
         Rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
+    only
+        Ids of dimensions, with commas between: only what is looked at to measure them is rendered.
+    chord_error
+        How far the mesh may be from curved faces, mm; finer makes holes rounder.
     """
     from .. import workflow
 
     bars = Bars()
     with workflow.output_folder(output):
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part)
+            inspection = workflow.load(file, part=part, chord_error_mm=chord_error)
         sensor = workflow.Sensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = workflow.simulate(
-            inspection, output, settings, looks=looks, sensor=sensor, rays_per_pixel=rays, seed=seed, progress=bars
+            inspection,
+            output,
+            settings,
+            looks=looks,
+            sensor=sensor,
+            rays_per_pixel=rays,
+            only=[name.strip() for name in only.split(",")] if only is not None else (),
+            seed=seed,
+            progress=bars,
         )
     if json:
         print_json({"images": images, "folder": str(output)})
@@ -118,6 +132,111 @@ def measure(
         if output is not None:
             print(f"written to {output}: measurements.csv, and a picture of each image")
     return DONE if all(row.verdict in ("pass", "measured") for row in rows) else NOT_MET
+
+
+def validate(
+    file: Path,
+    /,
+    *,
+    settings: Path | None = None,
+    sample: Annotated[int, Parameter(converter=count)] = 20,
+    looks: Annotated[int, Parameter(converter=count)] = 100,
+    edges: Literal["sub-pixel", "whole-pixel", "both"] = "sub-pixel",
+    blur: float = 0.6,
+    noise: float = 0.005,
+    bits: Annotated[int, Parameter(converter=whole_number)] = 8,
+    rays: Annotated[int, Parameter(converter=whole_number)] = 34,
+    chord_error: float | None = None,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
+    workers: Workers = None,
+    part: PartFile = None,
+    json: Json = False,
+) -> int:
+    """Hold the predicted law of the error against simulated images: displaced, rendered, measured.
+
+    Exit code 0 if the shares of errors inside the 68, 95 and 99 % intervals are those of a true law, 1 if not.
+
+    Parameters
+    ----------
+    file
+        The inspection file (YAML).
+    settings
+        Settings file (CSV), such as a plan's; by default those that the inspection file names, or candidates.
+    sample
+        Candidates to draw, where no settings are given.
+    looks
+        Of each setting, each with errors of its own.
+    edges
+        How edges are found.
+    blur
+        Standard deviation of the lens's blur, px.
+    noise
+        Standard deviation of a pixel's noise, as a share of full scale.
+    bits
+        8 or 12.
+    rays
+        Rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
+    chord_error
+        How far the mesh may be from curved faces, mm; finer makes holes rounder.
+    output
+        CSV of all pairs of settings and dimensions.
+    """
+    from .. import workflow
+
+    bars = Bars()
+    with bars.stage("Reading the inspection and its part"):
+        inspection = workflow.load(file, part=part, chord_error_mm=chord_error)
+    sensor = workflow.Sensor(blur_px=blur, noise=noise, bits=bits)
+    with workflow.open_executor(None, workers) as executor:
+        found = workflow.validate(
+            inspection,
+            settings,
+            sample=sample,
+            looks=looks,
+            sensor=sensor,
+            edges=("sub-pixel", "whole-pixel") if edges == "both" else (edges,),
+            rays_per_pixel=rays,
+            seed=seed,
+            progress=bars,
+            executor=executor,
+        )
+    if output is not None:
+        workflow.write_validation(found, output)
+    document = workflow.describe_validation(found)
+    if json:
+        print_json(document)
+    else:
+        for one in document:
+            _print_validation(one)
+        if output is not None:
+            print(f"written to {output}")
+    return DONE if all(level["holds"] for one in document for level in one["coverage"]) else NOT_MET
+
+
+def _print_validation(document: dict[str, Any]) -> None:
+    looks = document["settings"] * document["looks"]
+    print(f"{document['edges']} edges: {looks} looks from {document['settings']} settings, one dimension of each")
+    for level in document["coverage"]:
+        share = level["inside"] / level["looks"] if level["looks"] else float("nan")
+        limits = " to ".join(f"{100 * level[name] / max(level['looks'], 1):.1f}" for name in ("low", "high"))
+        told = "" if level["holds"] else "  NOT as predicted"
+        print(f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % if true){told}")
+    print("  dimension  looks  measured/predicted  inside 68, 95, 99 %")
+    for row in document["dimensions"]:
+        shares = ", ".join(
+            f"{100 * level['inside'] / max(level['looks'], 1):.1f}{'' if level['holds'] else '*'}"
+            for level in row["coverage"]
+        )
+        print(f"  {row['id']:9}  {row['looks']:5}  {row['rms_ratio']:18.2f}  {shares}")
+    if any(not level["holds"] for row in document["dimensions"] for level in row["coverage"]):
+        print("  * not as predicted")
+    if document["refused"]:
+        print(
+            f"  {len(document['refused'])} pairs of setting and dimension cannot be measured in clear images, such as"
+        )
+        for setting, dimension, reason in document["refused"][:3]:
+            print(f"    {dimension} from {setting}: {reason}")
 
 
 def _print_measured(rows: Sequence[Any]) -> None:

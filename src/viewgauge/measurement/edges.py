@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,7 +150,7 @@ class _ProfileModel:
     def information(self) -> float:
         """Of where the edge is, per px², for a step of 1 in noise of 1 a pixel."""
         slope = self._rest @ (self._pdf / self._w)
-        return float(slope @ slope) * _PROFILE_STEP_PX
+        return float(slope @ slope) * float(_PROFILE_STEP_PX)
 
     def fitted(self, grey: NDArray[np.float64]) -> _Fitted:
         """How far from the middle of profiles ``(k, m)`` their edges are, in one step of Gauss and Newton."""
@@ -158,6 +160,16 @@ class _ProfileModel:
         size = (moving**2).sum(axis=1)
         shift = np.divide((moving * left).sum(axis=1), size, out=np.zeros(len(c)), where=size > 0)
         return _Fitted(shift, c[:, 2], left)
+
+
+def _profile_model(width_px: float) -> _ProfileModel:
+    """The model of a width, to a hundredth of a pixel."""
+    return _rounded_model(round(100 * min(width_px, 10.0)))
+
+
+@lru_cache(maxsize=512)
+def _rounded_model(hundredths: int) -> _ProfileModel:
+    return _ProfileModel(hundredths / 100)
 
 
 def _agreeing(
@@ -210,7 +222,7 @@ class EdgeFinder:
         from scipy.ndimage import spline_filter
 
         grey = np.asarray(image, dtype=np.float32)
-        self.noise = noise_of(grey) if noise is None else noise
+        self.noise: float = noise_of(grey) if noise is None else noise
         if windows is None:
             self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
             return
@@ -344,7 +356,7 @@ class EdgeFinder:
         width_px
             Standard deviation of the blur, the pixel's included.
         """
-        model = _ProfileModel(width_px)
+        model = _profile_model(width_px)
         at = offset.copy()
         for _ in range(_ROUNDS):
             grey = self._at(places[:, None] + (at[:, None] + model.grid)[..., None] * across[:, None])
@@ -357,7 +369,7 @@ class EdgeFinder:
         """Standard deviation of one edge point (:meth:`refined`) by the image's noise, across the edge, px."""
         if self.noise <= 0 or contrast <= 0:
             return 0.0
-        return self.noise / contrast / _ProfileModel(width_px).information ** 0.5
+        return self.noise / contrast / math.sqrt(_profile_model(width_px).information)
 
     def contrast_of(self, slope: NDArray[np.float64], width_px: float) -> NDArray[np.float64]:
         """Step of grey values of edges that are so steep (:meth:`offsets`) and so wide."""

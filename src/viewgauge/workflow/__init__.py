@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .progress import Progress, Silent
     from .simulate import simulate
     from .specify import specify
+    from .validate import Validation, describe_validation, validate, write_validation
     from .write import (
         describe_answers,
         describe_plan,
@@ -58,6 +59,7 @@ _HOME = {
     "simulate": ".simulate",
     "specify": ".specify",
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
+    **dict.fromkeys(("Validation", "describe_validation", "validate", "write_validation"), ".validate"),
     **dict.fromkeys(
         (
             "describe_answers",
@@ -84,12 +86,14 @@ __all__ = [
     "Progress",
     "Sensor",
     "Silent",
+    "Validation",
     "characterize",
     "check",
     "describe_answers",
     "describe_calibration",
     "describe_characterization",
     "describe_plan",
+    "describe_validation",
     "error_budgets",
     "evaluate",
     "evaluate_into",
@@ -106,12 +110,14 @@ __all__ = [
     "simulate",
     "specify",
     "success_probability",
+    "validate",
     "write_answers",
     "write_calibration",
     "write_evaluation",
     "write_head",
     "write_opencv_camera",
     "write_plan",
+    "write_validation",
 ]
 
 

@@ -22,11 +22,12 @@ from ..measurement.edges import EdgeFinder
 from ..measurement.gauge_image import ExpectedGauge, GaugeImage, Guide, find_guide, gauge_windows, measure_gauge
 from ..measurement.length_law import length_law
 from ..part import Dimension, Gauge
+from .chunks import EvaluationJob, evaluator_of
 from .inspection import Inspection
 from .progress import Progress, Silent
 from .write import make_folder
 
-__all__ = ["Edges", "Measured", "Verdict", "expected_gauge", "measure", "require_edges"]
+__all__ = ["Edges", "Measured", "Verdict", "expected_gauge", "measure", "require_edges", "seen_gauges"]
 
 Verdict = Literal["pass", "fail", "undecided", "measured", "not measured"]
 Edges = Literal["sub-pixel", "whole-pixel"]
@@ -134,6 +135,13 @@ def expected_gauge(dimension: Dimension, gauge: Gauge) -> ExpectedGauge:
     """What is looked for in an image."""
     points, normals = np.stack([gauge.start, gauge.end]), (gauge.start_normals, gauge.end_normals)
     return ExpectedGauge(points, normals, dimension.kind == "diameter", gauge.rim_axis)
+
+
+def seen_gauges(evaluation: EvaluationJob, T_part_camera: NDArray[np.float64]) -> dict[str, ExpectedGauge]:
+    """The best gauge of each dimension that a setting sees, by the dimension's id."""
+    table = evaluator_of(evaluation).table(T_part_camera[None])
+    dimensions = [(evaluation.dimensions[d], int(table.gauge[0, d])) for d in np.flatnonzero(table.visible[0])]
+    return {dimension.id: expected_gauge(dimension, dimension.gauges[gauge]) for dimension, gauge in dimensions}
 
 
 def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGauge:

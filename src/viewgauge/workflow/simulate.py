@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
@@ -13,18 +14,25 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import InputError
-from ..geometry import quaternion_from_pose
+from ..geometry import Window, quaternion_from_pose
 from ..io.atomic import write_text_atomically
 from ..io.images import write_png
+from ..measurement.gauge_image import gauge_windows
 from ..simulation.displaced_poses import displaced_poses
+from ..simulation.partial_image import partial_image
 from ..simulation.renderer import Renderer
 from ..simulation.sensor import Sensor
+from ..simulation.true_camera import true_camera
+from .chunks import EvaluationJob
 from .evaluate import SettingsLike, settings_of
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
+from .measure import seen_gauges
 from .progress import Progress, Silent
 from .write import make_folder
 
 __all__ = ["simulate"]
+
+_CALIBRATION = 1 << 31  # of the seed of the true camera, beside those of the settings
 
 
 def simulate(
@@ -35,10 +43,14 @@ def simulate(
     looks: int = 1,
     sensor: Sensor | None = None,
     rays_per_pixel: int = 34,
+    only: Sequence[str] = (),
     seed: int | None = None,
     progress: Progress | None = None,
 ) -> int:
     """Write images ``SETTING_LOOK.png`` of displaced looks, and ``looks.csv`` with where the camera really stood.
+
+    Where the inspection states how well its camera is calibrated, one true camera is drawn, with which all images are
+    made; ``simulation.json`` has it.
 
     What was written before by the same call is kept: a simulation that was stopped goes on.
 
@@ -52,6 +64,9 @@ def simulate(
         Of each setting; the head's errors are drawn anew for each.
     rays_per_pixel
         Of :data:`~viewgauge.simulation.renderer.FIBONACCI`.
+    only
+        Ids of dimensions: only what is looked at to measure them is rendered, the rest of the image is black. None for
+        all of it.
 
     Returns
     -------
@@ -68,6 +83,8 @@ def simulate(
     seed = inspection.seed if seed is None else seed
     if seed < 0:
         raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
+    windows = _windows(inspection, chosen, only)
+    camera = true_camera(inspection.camera, np.random.default_rng([seed, _CALIBRATION]))
     mesh = inspection.part.mesh
     renderer = Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel)
     place = make_folder(folder)
@@ -77,6 +94,13 @@ def simulate(
         "looks": looks,
         "sensor": asdict(sensor),
         "rays_per_pixel": rays_per_pixel,
+        "chord_error_mm": mesh.chord_error_mm,
+        "only": list(only),
+        "true_camera": {
+            "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
+            "principal_point_px": list(camera.principal_point),
+            "distortion": None if camera.lens is None else list(camera.lens.coefficients),
+        },
         "seed": seed,
     }
     _claim(place / "simulation.json", about)
@@ -88,10 +112,8 @@ def simulate(
                 file = f"{name}_{look:04d}.png"
                 rows.append([file, name, look, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
                 if not (place / file).exists():
-                    light = (renderer.coverage if sensor.black_and_white else renderer.radiance)(
-                        pose, inspection.camera
-                    )
-                    grey = sensor.grey(light, np.random.default_rng([seed, number, look]))
+                    rng = np.random.default_rng([seed, number, look])
+                    grey = partial_image(renderer, sensor, pose, camera, windows[number], rng)
                     write_png(place / file, grey, sensor.bits)
                 advance(1)
     text = io.StringIO()
@@ -100,6 +122,22 @@ def simulate(
     writer.writerows(rows)
     write_text_atomically(place / "looks.csv", text.getvalue())
     return len(rows)
+
+
+def _windows(inspection: Inspection, settings: ExplicitSettings, only: Sequence[str]) -> list[list[Window]]:
+    """Of each setting what is rendered."""
+    camera, head = inspection.camera, inspection.head
+    if not only:
+        return [[Window.whole(camera)]] * len(settings)
+    known = {dimension.id: dimension for dimension in inspection.part.dimensions}
+    for name in only:
+        if name not in known:
+            raise InputError("no such dimension", key="only", got=name, expected=", ".join(known))
+    evaluation = EvaluationJob.of(inspection, [known[name] for name in only], settings)
+    return [
+        [window for gauge in seen_gauges(evaluation, T).values() for window in gauge_windows(gauge, T, camera, head)]
+        for T in settings.T_part_camera
+    ]
 
 
 def _claim(path: Path, about: dict[str, Any]) -> None:

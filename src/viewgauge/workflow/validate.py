@@ -6,16 +6,21 @@ the looks that it is judged on.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
+from os import PathLike
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import Evaluator
 from ..exceptions import InputError, NoCandidateError
 from ..geometry import Camera, PoseError
+from ..io.atomic import write_text_atomically
 from ..measurement.edges import EdgeFinder
 from ..measurement.gauge_image import ExpectedGauge, GaugeImage, find_guide, gauge_windows, measure_gauge
 from ..measurement.length_law import length_law
@@ -25,14 +30,22 @@ from ..simulation.partial_image import partial_image
 from ..simulation.renderer import Renderer
 from ..simulation.sensor import Sensor
 from ..simulation.true_camera import true_camera
-from .chunks import EvaluationJob, candidate_grid, evaluator_of
+from .chunks import EvaluationJob, candidate_grid
 from .evaluate import SettingsLike, settings_of
 from .execution import Executor, InProcess
 from .inspection import ExplicitSettings, Inspection
-from .measure import Edges, expected_gauge, require_edges
+from .measure import Edges, require_edges, seen_gauges
 from .progress import Progress, Silent
 
-__all__ = ["LEVELS", "Coverage", "ValidatedPair", "Validation", "validate"]
+__all__ = [
+    "LEVELS",
+    "Coverage",
+    "ValidatedPair",
+    "Validation",
+    "describe_validation",
+    "validate",
+    "write_validation",
+]
 
 LEVELS = (0.68, 0.95, 0.99)
 """Of the intervals whose coverage is counted."""
@@ -230,23 +243,17 @@ def _drawn_settings(inspection: Inspection, count: int, seed: int) -> ExplicitSe
     if not dimensions:
         raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
     grid = candidate_grid(inspection, dimensions)
-    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, grid))
+    evaluation = EvaluationJob.of(inspection, dimensions, grid)
     rng, found = np.random.default_rng([seed, 7]), []
     for index in rng.permutation(len(grid)).tolist():
         pose = grid.poses(index, index + 1)
-        if _seen(evaluator, pose[0]):
+        if seen_gauges(evaluation, pose[0]):
             found.append((f"C{index + 1}", pose[0]))
         if len(found) == count:
             break
     if not found:
         raise NoCandidateError("no candidate sees a dimension: see viewgauge check")
     return ExplicitSettings(tuple(name for name, _ in found), np.array([pose for _, pose in found]))
-
-
-def _seen(evaluator: Evaluator, T_part_camera: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """Dimensions that a setting sees, with the gauge of each, by index."""
-    table = evaluator.table(T_part_camera[None])
-    return [(int(d), int(table.gauge[0, d])) for d in np.flatnonzero(table.visible[0])]
 
 
 @lru_cache(maxsize=1)
@@ -260,11 +267,7 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
     inspection, sensor, name = job.inspection, job.sensor, job.settings.ids[index]
     camera, T = inspection.camera, job.settings.T_part_camera[index]
     head = PoseError(inspection.head.covariance, T_camera_head=inspection.head.T_camera_head)  # none in common
-    dimensions = job.evaluation.dimensions
-    gauges = {
-        dimensions[d].id: expected_gauge(dimensions[d], dimensions[d].gauges[g])
-        for d, g in _seen(evaluator_of(job.evaluation), T)
-    }
+    gauges = seen_gauges(job.evaluation, T)
     windows = [window for gauge in gauges.values() for window in gauge_windows(gauge, T, camera, head)]
     renderer, expected, full = _renderer_of(job), list(gauges.values()), 2**sensor.bits - 1
     rounding = 1 / full / np.sqrt(12)
@@ -340,3 +343,59 @@ def _pair(
         errors / px,
         probability,
     )
+
+
+def describe_validation(found: Mapping[Edges, Validation]) -> list[dict[str, Any]]:
+    """As JSON-ready data, px; of each way of finding edges."""
+    return [
+        {
+            "edges": one.edges,
+            "settings": one.settings,
+            "looks": one.looks,
+            "coverage": [_level(c) for c in one.coverage()],
+            "drawn_unmeasured": one.drawn_unmeasured,
+            "dimensions": [_dimension(one, name) for name in dict.fromkeys(p.dimension for p in one.pairs)],
+            "refused": [list(refusal) for refusal in one.refused],
+        }
+        for one in found.values()
+    ]
+
+
+def _level(coverage: Coverage) -> dict[str, Any]:
+    return {**asdict(coverage), "holds": coverage.holds}
+
+
+def _dimension(found: Validation, name: str) -> dict[str, Any]:
+    errors = np.concatenate([p.errors_px / p.predicted_px for p in found.pairs if p.dimension == name])
+    good = errors[np.isfinite(errors)]
+    return {
+        "id": name,
+        "looks": len(good),
+        "not_measured": int(len(errors) - len(good)),
+        "rms_ratio": float(np.sqrt((good**2).mean())) if len(good) else None,
+        "coverage": [_level(c) for c in found.coverage_of(name)],
+    }
+
+
+def write_validation(found: Mapping[Edges, Validation], path: str | PathLike[str]) -> None:
+    """Write a CSV with a row for each setting and dimension, px.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    names = ["edges", "setting", "dimension", "length_px", "predicted_px", "location_px", "looks", "not_measured"]
+    writer.writerow([*names, "mean_px", "deviation_px", *(f"inside_{round(100 * level)}" for level in LEVELS)])
+    for one in found.values():
+        for pair in one.pairs:
+            good = np.isfinite(pair.errors_px)
+            errors = pair.errors_px[good]
+            inside = [int((pair.probability[good] <= level).sum()) for level in LEVELS]
+            spread = [float(errors.mean()), float(errors.std())] if len(errors) else ["", ""]
+            predicted = [pair.length_px, pair.predicted_px, pair.location_px]
+            counts = [int(good.sum()), int((~good).sum())]
+            writer.writerow([one.edges, pair.setting, pair.dimension, *predicted, *counts, *spread, *inside])
+    write_text_atomically(Path(path), text.getvalue())
