@@ -6,8 +6,8 @@ Writes Markdown and pictures into FOLDER; without ``--part`` all parts. What is 
 that was stopped goes on.
 
 images: displaced looks of the slotted block, rendered and measured, against the law, for noise, pixels and edges;
-quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge maps of
-the reconstructed five-setting experiment (the paper's Fig. 7).
+quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge maps
+of the reconstructed five-setting experiment (the paper's Fig. 7).
 """
 
 from __future__ import annotations
@@ -20,9 +20,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import matplotlib
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
 import numpy as np
 
 import viewgauge as vg
+from viewgauge.geometry import Window, invert, transform
+from viewgauge.measurement.edges import EdgeFinder
+from viewgauge.measurement.gauge_image import ExpectedGauge, find_guide, gauge_windows, measure_gauge
+from viewgauge.simulation import Estimate
+from viewgauge.simulation.displaced_poses import displaced_poses
+from viewgauge.simulation.partial_image import partial_image
+from viewgauge.simulation.renderer import Renderer
 from viewgauge.workflow import Sensor, describe_validation
 
 BLOCK = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "inspection.yaml"
@@ -92,7 +103,9 @@ def _by_dimension(documents: dict[str, list[dict[str, Any]]]) -> list[str]:
                 cells.append("not seen")
                 continue
             shares = (100 * c["inside"] / max(c["looks"], 1) for c in row["coverage"])
-            told = " / ".join(f"{s:.1f}{'' if c['holds'] else '*'}" for s, c in zip(shares, row["coverage"], strict=True))
+            told = " / ".join(
+                f"{s:.1f}{'' if c['holds'] else '*'}" for s, c in zip(shares, row["coverage"], strict=True)
+            )
             cells.append(f"{row['rms_ratio']:.2f}; {told} ({row['looks']})")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return lines
@@ -103,7 +116,164 @@ def _order(name: str) -> tuple[int, str]:
     return int(digits or 0), name
 
 
-PARTS: dict[str, Callable[[Path, int, int], list[str]]] = {"images": images}
+def quantization(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
+    """Part quantization: two pictures and a table."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
+    lines = ["| the ends move apart by | spread, least and most over lengths | by the formula |", "| --- | --- | --- |"]
+    fractions = np.linspace(0, 1, 41)
+    for sigma in (0.0, 0.1, 0.2, 0.3, 0.5):
+        ratios = np.array([spread_of_rounding(f, sigma, 0.0) for f in fractions]) / np.sqrt(1 / 6)
+        told = f"{sigma:g} px"
+        (curve,) = left.plot(fractions, ratios, "o", markersize=3, label=told)
+        formula = np.sqrt(np.maximum(rounding_variance(fractions, sigma), 0) * 6)
+        left.plot(fractions, formula, color=curve.get_color(), linewidth=1)
+        lines.append(
+            f"| {told} | {ratios.min():.2f} to {ratios.max():.2f} | {formula.min():.2f} to {formula.max():.2f} |"
+        )
+    left.axhline(1, color="black", linewidth=0.8, linestyle=":")
+    left.set(xlabel="fraction of a pixel in the length", ylabel="spread / that of the uniform model", ylim=(0, 1.3))
+    left.set_title("A length along the rows, whole pixels", fontsize=10)
+    left.legend(title="ends move apart by (σ)", fontsize=8)
+    angles = np.concatenate([np.linspace(0, 5, 21), np.linspace(6, 45, 79)])
+    found = np.array([edge_error(angle) for angle in angles])
+    right.plot(angles, found, linewidth=1)
+    right.axhline(np.sqrt(1 / 12), color="black", linewidth=0.8, linestyle=":")
+    right.set(xlabel="angle between edge and rows, °", ylabel="rms error of the edge, px", ylim=(0, 0.32))
+    right.set_title("An edge of 19 px in a black-and-white image", fontsize=10)
+    figure.savefig(folder / "quantization.png", dpi=120)
+    at = {angle: float(np.interp(angle, angles, found)) for angle in (0, 1, 2, 5, 20, 45)}
+    lines += ["", "| angle between edge and rows | rms error of the edge |", "| --- | --- |"]
+    return lines + [f"| {angle}° | {value:.3f} px |" for angle, value in at.items()]
+
+
+def spread_of_rounding(fraction: float, sigma: float, angle_deg: float, draws: int = 200_000) -> float:
+    """Standard deviation, px, of a length of 120 px and a fraction whose ends are put to the corners of pixels.
+
+    The head shifts both by pixels, and moves them apart by sigma.
+    """
+    rng = np.random.default_rng(1998)
+    direction = np.array([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
+    start = 20 * rng.standard_normal((draws, 2))
+    true = 120 + fraction + sigma * rng.standard_normal(draws)
+    ends = np.floor(start), np.floor(start + true[:, None] * direction)
+    return float((np.linalg.norm(ends[1] - ends[0], axis=1) - true).std())
+
+
+def rounding_variance(fraction: np.ndarray, sigma: float) -> np.ndarray:
+    """Of the same along the rows, px²: ``1/6 - sum_k cos(2 pi k f) exp(-2 pi² k² sigma²) / (pi k)²``.
+
+    ``f (1 - f)`` of a length with the fraction f, by its Fourier series, averaged over a normal law.
+    """
+    k = np.arange(1, 4000)[:, None]
+    return 1 / 6 - (np.cos(2 * np.pi * k * fraction) * np.exp(-2 * (np.pi * k * sigma) ** 2) / (np.pi * k) ** 2).sum(0)
+
+
+def edge_error(angle_deg: float, phases: int = 64) -> float:
+    """Root mean square over phases, px, of where an edge is found of which each pixel shows more or less than half."""
+    turn = np.radians(angle_deg)
+    along, across = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+    v, u = np.mgrid[0:64, 0:64]
+    found = []
+    for phase in (np.arange(phases) + 0.5) / phases:
+        offset = (phase - 0.5) * 1.0
+        inside = (u - 32) * across[0] + (v - 32) * across[1] > offset
+        finder = EdgeFinder(inside.astype(float), 0.01)
+        t = np.arange(-9.0, 10.0)
+        places, normal = 32 + t[:, None] * along, np.broadcast_to(across, (19, 2))
+        edge, _ = finder.offsets(places, normal, 3.0)
+        found.append(float(np.nanmean(edge)) - offset)
+    return float(np.sqrt(np.mean(np.square(found))))
+
+
+def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
+    """Part paper: images and edge maps like Fig. 7, and Pr{accuracy >= 99 %} counted in displaced looks."""
+    import cv2
+
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples" / "paper"))
+    from five_settings import RECONSTRUCTION, RELATIVE_TOLERANCE
+
+    experiment, n = RECONSTRUCTION, 10 * looks
+    camera, head, sensor = experiment.camera, experiment.pose_error, Sensor(blur_px=0.6, noise=0.01)
+    figure, axes = plt.subplots(2, 5, figsize=(13, 4.2), layout="constrained")
+    lines = [
+        "| setting | paper | independent | joint | ends rounded | counted in images | 99 % interval | measured |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    models = [experiment.probability(model) for model in ("independent", "joint")]
+    T = np.eye(4)  # the part stands in the camera's frame
+    for k, (setting, ends) in enumerate(zip(experiment.settings, experiment.ends(), strict=True)):
+        vertices, triangles, gauges = block_of_edge(ends)
+        renderer = Renderer(vertices, triangles)
+        whole = [Window.whole(camera)]
+        grey = partial_image(renderer, sensor, T, camera, whole, np.random.default_rng(k))
+        edges = cv2.Canny(grey.astype(np.uint8), 45, 110)
+        places = camera.to_pixels(camera.project(ends))
+        for row, picture in enumerate((grey, 255 - edges)):
+            axes[row, k].imshow(picture, cmap="gray", vmin=0, vmax=255, interpolation="none")
+            axes[row, k].set(xticks=[], yticks=[])
+        axes[0, k].plot(*places.T, color="#e69f00", linewidth=1)
+        axes[0, k].set_title(f"{setting.name}: E2 {np.linalg.norm(places[1] - places[0]):.0f} px", fontsize=9)
+        windows = [window for gauge in gauges for window in gauge_windows(gauge, T, camera, head)]
+        errors = []
+        for look, pose in enumerate(displaced_poses(T, head, n, np.random.default_rng([1998, k]))):
+            rng = np.random.default_rng([1998, k, look])
+            image = partial_image(renderer, sensor, pose, camera, windows, rng) / 255
+            finder = EdgeFinder(image, 0.0101, windows)
+            guide = find_guide(finder, gauges, T, camera, head)
+            if guide is not None:
+                seen = measure_gauge(finder, image, gauges[0], T, camera, guide)
+                found = seen.length_mm(camera, whole_pixels=True)
+                if found is not None:
+                    errors.append(found / seen.nominal_mm - 1)
+        moved = transform(invert(displaced_poses(T, head, 200_000, np.random.default_rng(k)))[:, None], ends)
+        corners = np.floor(camera.to_pixels(camera.project(moved)))
+        length = np.linalg.norm(places[1] - places[0])
+        rounded = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) / length - 1
+        inside = int((np.abs(errors) <= RELATIVE_TOLERANCE).sum())
+        counted = Estimate.of(inside, len(errors), 0.99)
+        cells = [f"{setting.printed_probability:.2f}", *(f"{model[k]:.3f}" for model in models)]
+        cells += [f"{(np.abs(rounded) <= RELATIVE_TOLERANCE).mean():.3f}", f"{counted.probability:.3f}"]
+        cells += [f"{counted.low:.3f} to {counted.high:.3f}", f"{len(errors)} of {n}"]
+        lines.append(f"| {setting.name} | " + " | ".join(cells) + " |")
+    figure.savefig(folder / "paper_figure_7.png", dpi=110)
+    return lines
+
+
+def block_of_edge(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[ExpectedGauge]]:
+    """A block of which E2 is the edge that is turned to the camera, and its edges along E2, E2 first; camera frame."""
+    middle, along = ends.mean(axis=0), ends[1] - ends[0]
+    length = np.linalg.norm(along)
+    along = along / length
+    away = middle - middle @ along * along  # from the camera, square to E2
+    away = away / np.linalg.norm(away)
+    side = np.cross(along, away)
+    first, second = (away + side) / np.sqrt(2), (away - side) / np.sqrt(2)  # into the block
+    a, b = 0.45 * length * first, 0.35 * length * second
+    corners = np.array([end + i * a + j * b for end in ends for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    faces = [[0, 1, 2, 3], [7, 6, 5, 4], [4, 5, 1, 0], [7, 4, 0, 3], [5, 6, 2, 1], [6, 7, 3, 2]]
+    triangles = np.array([t for p, q, r, s in faces for t in ([p, q, r], [p, r, s])])
+    normal = np.cross(
+        corners[triangles[:, 1]] - corners[triangles[:, 0]], corners[triangles[:, 2]] - corners[triangles[:, 0]]
+    )
+    outward = np.einsum("ij,ij->i", normal, corners[triangles].mean(axis=1) - corners.mean(axis=0))
+    triangles[outward < 0] = triangles[outward < 0][:, ::-1]
+    sides = [(-first, -second), (first, -second), (-first, second)]
+    starts = [corners[0], corners[1], corners[3]]
+    gauges = [
+        ExpectedGauge(
+            np.stack([start, start + length * along]),
+            (np.stack([*normals, -along]), np.stack([*normals, along])),
+        )
+        for start, normals in zip(starts, sides, strict=True)
+    ]
+    return corners, triangles, gauges
+
+
+PARTS: dict[str, Callable[[Path, int, int], list[str]]] = {
+    "images": images,
+    "quantization": quantization,
+    "paper": paper,
+}
 
 
 def main() -> int:
