@@ -56,20 +56,17 @@ def measured(inspection, plan, images, tmp_path_factory):
 
 
 def test_nearly_all_is_measured_and_right_within_the_prediction(measured):
-    """Of 12 looks a mean is off by 0.29 u and a deviation by 21 % (one sigma): 4.5 sigma, and the seed is fixed.
-
-    The deviation may be twice u: some dimensions scatter so much more than predicted, and it is not known why.
-    """
+    """Of 12 looks a mean is off by 0.29 u and a deviation by 21 % (one sigma): 4.5 sigma, and the seed is fixed."""
     rows, _ = measured
     found = [row for row in rows if row.measured_mm is not None]
     assert len(rows) == LOOKS * len(STRAIGHT)
     assert len(found) >= 0.9 * len(rows)
     for name in STRAIGHT:
         errors = np.array([row.measured_mm - row.nominal_mm for row in found if row.dimension == name])
-        u = next(row.expanded_uncertainty_mm for row in rows if row.dimension == name) / 2
+        u = np.mean([row.expanded_uncertainty_mm for row in found if row.dimension == name]) / 2
         assert len(errors) >= LOOKS // 2, name
         assert abs(errors.mean()) < 4.5 * u / np.sqrt(len(errors)), name
-        assert errors.std() < 2.0 * u, name
+        assert errors.std() < 1.7 * u, name
 
 
 def test_verdicts_leave_a_guard_band(measured):
@@ -167,3 +164,65 @@ def test_bad_input_is_told(inspection, plan, images, tmp_path):
     (tmp_path / "S1.png").write_text("no image")
     with pytest.raises(InputError, match="cannot be read"):
         vg.measure(inspection, plan[0], tmp_path)
+
+
+def test_whole_pixels_are_less_sure_and_still_right(inspection, plan, images, measured):
+    """Each end is off by up to half a pixel along u and v; U says so. 96 measurements inside 2.5 U, that is 5 sigma."""
+    rows = vg.measure(inspection, plan[0], images, edges="whole-pixel")
+    fine = {(row.image, row.dimension): row for row in measured[0]}
+    found = [row for row in rows if row.measured_mm is not None]
+    assert len(found) > 0.9 * len(rows)
+    for row in found:
+        assert abs(row.measured_mm - row.nominal_mm) < 2.5 * row.expanded_uncertainty_mm
+        assert row.expanded_uncertainty_mm > fine[row.image, row.dimension].expanded_uncertainty_mm
+    errors = np.array([(r.measured_mm - r.nominal_mm) / r.expanded_uncertainty_mm * 2 for r in found])
+    assert 0.6 < errors.std() < 1.4
+    with pytest.raises(InputError, match="sub-pixel or whole-pixel"):
+        vg.measure(inspection, plan[0], images, edges="half-pixel")
+
+
+def test_a_distorting_lens_is_undone(inspection, plan, tmp_path):
+    """Images of a lens that moves what it shows by tens of pixels; without it in the inspection most is wrong."""
+    lens = vg.Lens("radial-tangential", (-0.35, 0.12, 1e-3, -5e-4))
+    camera = replace(inspection.camera, lens=lens)
+    corner = camera.project(np.array([[90.0, 75.0, 400.0]]))
+    assert np.linalg.norm(camera.to_pixels(corner) - inspection.camera.to_pixels(corner)) > 10
+    bent = replace(inspection, camera=camera)
+    vg.simulate(bent, tmp_path, plan[0] / "settings.csv", looks=2, sensor=Sensor(blur_px=0.7, noise=0.002))
+    rows = [row for row in vg.measure(bent, plan[0], tmp_path) if row.measured_mm is not None]
+    assert len(rows) > len(STRAIGHT)
+    for row in rows:
+        assert abs(row.measured_mm - row.nominal_mm) < 2.5 * row.expanded_uncertainty_mm, row.dimension
+    wrong = [
+        row.measured_mm is None or abs(row.measured_mm - row.nominal_mm) > row.expanded_uncertainty_mm
+        for row in vg.measure(inspection, plan[0], tmp_path)
+    ]
+    assert sum(wrong) > len(wrong) / 2
+
+
+def test_the_mean_of_several_looks_has_the_verdict(inspection, plan, images, measured, tmp_path):
+    """A plan in which one is averaged over two looks, here of one setting twice: a mean for each image number."""
+    document = json.loads((plan[0] / "plan.json").read_text())
+    lost = {row.dimension for row in measured[0] if row.measured_mm is None}
+    entry = next(d for d in document["dimensions"] if d["status"] == "met" and d["id"] not in lost)
+    setting = entry["setting"]
+    other = {**next(s for s in document["settings"] if s["id"] == setting), "id": "S9"}
+    document["settings"].append(other)
+    entry["looks"] = [{"setting": name, "gauge": entry["gauge"]} for name in (setting, "S9")]
+    (tmp_path / "plan.json").write_text(json.dumps(document))
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for k in (1, 2, 3):
+        (folder / f"{setting}_{k:04d}.png").write_bytes((images / f"{setting}_{k:04d}.png").read_bytes())
+        (folder / f"S9_{k:04d}.png").write_bytes((images / f"{setting}_{k + 3:04d}.png").read_bytes())
+    (folder / "S9_0003.png").unlink()
+    rows = [row for row in vg.measure(inspection, tmp_path, folder) if row.dimension == entry["id"]]
+    means = [row for row in rows if "+" in row.image]
+    assert [row.image for row in means] == [f"{setting}_000{k}.png + S9_000{k}.png" for k in (1, 2)]
+    by_image = {row.image: row for row in rows}
+    for k, mean in enumerate(means, start=1):
+        each = [by_image[f"{name}_000{k}.png"] for name in (setting, "S9")]
+        assert {row.verdict for row in each} == {"measured"}
+        assert mean.measured_mm == pytest.approx(np.mean([row.measured_mm for row in each]))
+        assert mean.expanded_uncertainty_mm == pytest.approx(2 * entry["budget"]["combined_uncertainty_mm"])
+        assert mean.verdict in ("pass", "undecided")

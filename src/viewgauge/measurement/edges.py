@@ -33,6 +33,7 @@ _STRAIGHT, _STRAIGHT_PX = 1.7, 0.05  # of what a fit leaves: times the noise, an
 _BENDS = 3.5  # standard deviations of a curvature that is no chance
 _ROUNDS, _MOVED_PX = 4, 1.0
 _LEFT, _LEFT_NOISE = 0.04, 3.0  # of a mean profile that is an edge's: share of the step, times the noise
+_RAMP, _RAMP_NOISE = 0.05, 3.0  # of the slope beside it, per px, likewise
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,8 @@ class Refined:
         ``(k,)`` px; NaN where the fit ran away.
     contrast
         ``(k,)``: step of grey values, with its sign.
+    ramps
+        ``(k, 2)``: slope of grey values on either side, per px.
     left
         ``(k, m)``: what the fit left of each profile.
     noise
@@ -113,22 +116,24 @@ class Refined:
 
     offset: NDArray[np.float64]
     contrast: NDArray[np.float64]
+    ramps: NDArray[np.float64]
     left: NDArray[np.float64]
     noise: float
 
     def crowded(self, kept: NDArray[np.bool_]) -> bool:
         """Whether the mean profile is not that of one edge: another lies so near that it moves this one."""
-        sign = np.sign(self.contrast[kept])
-        mean = (self.left[kept] * sign[:, None]).mean(axis=0)
-        rms = float(np.sqrt((mean**2).mean()))
-        step = float(np.abs(self.contrast[kept]).mean())
-        return bool(rms > _LEFT * step + _LEFT_NOISE * self.noise / np.sqrt(kept.sum()))
+        sign = np.sign(self.contrast[kept])[:, None]
+        left, ramps = (self.left[kept] * sign).mean(axis=0), (self.ramps[kept] * sign).mean(axis=0)
+        step, chance = float(np.abs(self.contrast[kept]).mean()), self.noise / math.sqrt(kept.sum())
+        rms, steepest = float(np.sqrt((left**2).mean())), float(np.abs(ramps).max())
+        return rms > _LEFT * step + _LEFT_NOISE * chance or steepest > _RAMP * step + _RAMP_NOISE * chance
 
 
 @dataclass(frozen=True)
 class _Fitted:
     shift: NDArray[np.float64]
     contrast: NDArray[np.float64]
+    ramps: NDArray[np.float64]
     left: NDArray[np.float64]
 
 
@@ -159,7 +164,7 @@ class _ProfileModel:
         moving = -(c[:, 1, None] + c[:, 2, None] * self._pdf / self._w + c[:, 3, None] * self._cdf) @ self._rest
         size = (moving**2).sum(axis=1)
         shift = np.divide((moving * left).sum(axis=1), size, out=np.zeros(len(c)), where=size > 0)
-        return _Fitted(shift, c[:, 2], left)
+        return _Fitted(shift, c[:, 2], np.stack([c[:, 1], c[:, 1] + c[:, 3]], axis=1), left)
 
 
 def _profile_model(width_px: float) -> _ProfileModel:
@@ -259,16 +264,22 @@ class EdgeFinder:
         t = places_px
         if len(t) < (5 if bent else 3):
             return None
-        across = np.broadcast_to([-along[1], along[0]], (len(t), 2))
-        offset, _ = self.offsets(point + t[:, None] * along, across, reach_px)
-        good = np.isfinite(offset)
-        order = 2 if bent else 1
-        kept = _agreeing(t, offset, good, order)
-        if kept is None:
-            return None
-        t, offset, across, least = t[kept], offset[kept], across[kept], _AGREE * len(t)
-        _, width = self.step(point + t[:, None] * along + offset[:, None] * across, across)
-        sharp = self.refined(point + t[:, None] * along, across, offset, width)
+        across, order = np.broadcast_to([-along[1], along[0]], (len(t), 2)), 2 if bent else 1
+        places = point + t[:, None] * along
+        if bent:
+            guess, _ = self.offsets(places, across, reach_px)
+            clear = _agreeing(t, guess, np.isfinite(guess), order)
+            if clear is None:
+                return None
+            guess = np.asarray(np.polyval(np.polyfit(t[clear], guess[clear], order), t))
+        else:  # as straight as it is, it is on all profiles together, with less noise
+            place, _ = self.offsets(places[None], across[:1], reach_px)
+            if np.isnan(place[0]):
+                return None
+            guess = np.full(len(t), place[0])
+        _, width = self.step(places + guess[:, None] * across, across)
+        sharp = self.refined(places, across, guess, width)
+        least = _AGREE * len(t)
         kept = _agreeing(t, sharp.offset, np.isfinite(sharp.offset), order)
         if kept is None or kept.sum() < least or sharp.crowded(kept):
             return None
@@ -297,7 +308,8 @@ class EdgeFinder:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """How far across, px, from places ``(k, 2)`` px edges are found, ``(k,)``, and how steep they are, ``(k,)``.
 
-        NaN where none is clear. The slope is that of the smoothed grey values, per px, with its sign.
+        NaN where none is clear. The slope is that of the smoothed grey values, per px, with its sign. Places
+        ``(k, m, 2)`` are k edges, of m profiles each that are laid over each other.
 
         Parameters
         ----------
@@ -305,11 +317,13 @@ class EdgeFinder:
             ``(k, 2)``: unit, along which to look from each place, to either side.
         """
         s = np.arange(-(reach_px + 4 * _SMOOTHED_PX), reach_px + 4 * _SMOOTHED_PX + 1e-9, _STEP_PX)
-        slope = _slope(self._at(places[:, None] + s[:, None] * across[:, None]))
+        bundles = places if places.ndim == 3 else places[:, None]
+        grey = self._at(bundles[:, :, None] + s[:, None] * across[:, None, None]).mean(axis=1)
+        slope = _slope(grey)
         inside = np.abs(s) <= reach_px
         offset, steep = np.full(len(places), np.nan), np.full(len(places), np.nan)
         # noise of the smoothed slope, per px, of interpolated samples: about that of white noise so smoothed
-        threshold = _CLEAR_PROFILE * self.noise * 0.4 / _SMOOTHED_PX**1.5
+        threshold = _CLEAR_PROFILE * self.noise * 0.4 / _SMOOTHED_PX**1.5 / math.sqrt(bundles.shape[1])
         for k, row in enumerate(np.abs(slope)):
             peaks = np.flatnonzero((row[1:-1] >= row[:-2]) & (row[1:-1] > row[2:]) & inside[1:-1]) + 1
             peaks = peaks[row[peaks] > threshold]
@@ -363,7 +377,7 @@ class EdgeFinder:
             found = model.fitted(grey)
             at = at + np.clip(found.shift, -0.5, 0.5)
         at = np.where(np.abs(at - offset) <= _MOVED_PX, at, np.nan)
-        return Refined(at, found.contrast, found.left, self.noise)
+        return Refined(at, found.contrast, found.ramps, found.left, self.noise)
 
     def point_deviation_px(self, contrast: float, width_px: float) -> float:
         """Standard deviation of one edge point (:meth:`refined`) by the image's noise, across the edge, px."""

@@ -29,6 +29,7 @@ _ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or anoth
 _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
 _SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
+_DISAGREE, _DISAGREE_PX = 3.5, 0.03  # standard deviations, and beyond, that edges may miss their common point by
 _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
 _FURTHER_PX = 2.0
 _BLUNT_PX = 1.9  # width of an edge that is out of focus: of a blur of 2.5 px
@@ -69,6 +70,8 @@ class EndPoint:
         ``(2,)`` px; ``found`` None with the ``reason`` it was not.
     deviation_px
         Standard deviation of the found place along the gauge, by the image's noise.
+    slide
+        How far it goes along the gauge where the gauge's line goes across itself by one.
     """
 
     expected: NDArray[np.float64]
@@ -76,6 +79,7 @@ class EndPoint:
     edge: Edge | None
     reason: str = ""
     deviation_px: float = 0.0
+    slide: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -167,18 +171,10 @@ def measure_gauge(
     found = camera.from_pixels(np.stack([start.found, end.found]))
     if gauge.rim_axis is None:
         per_px = _mm_per_px(camera, found)
-        slides = np.array([_slide(start, camera, found, 0), -_slide(end, camera, found, 1)])
+        slides = np.array([start.slide, -end.slide])
         variance = ((np.array([start.deviation_px, end.deviation_px]) * per_px) ** 2).sum()
         deviation = float(np.sqrt(variance + slides @ line.covariance_mm2 @ slides))
     return GaugeImage(ends, nominal, float(np.linalg.norm(found[1] - found[0])), deviation)
-
-
-def _slide(end: EndPoint, camera: Camera, found: NDArray[np.float64], k: int) -> float:
-    """How far an end goes along the gauge where the line goes across it by one: the edge is not square to it."""
-    assert end.edge is not None  # of an end that is found
-    J = np.linalg.inv(camera.pixel_jacobian(found[k]))
-    along, run = J @ end.edge.along, found[1] - found[0]
-    return float((along @ run) / (run[0] * along[1] - run[1] * along[0]))
 
 
 def _mm_per_px(camera: Camera, found: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -457,18 +453,28 @@ def _end(
     crossing = [d for d in directions if _sine(d.unit, run) >= _CROSSES]
     if not crossing:
         return EndPoint(place, None, None, "no edge is known that crosses the gauge")
-    best: Edge | None = None  # the straightest: the most nearly square one located the ends of a corner worse
+    edges = []
     for direction in crossing:
         tried = (finder.edge(place, direction.unit, span, reach, gauge.bent) for span in direction.spans)
-        edge = next((edge for edge in tried if edge is not None), None)
-        if edge is not None and (best is None or edge.residual_px < best.residual_px):
-            best = edge
-    if best is None:
+        edges += list(itertools.islice((edge for edge in tried if edge is not None), 1))
+    if not edges:
         return EndPoint(place, None, None, "no clear edge")
-    if best.width_px > _BLUNT_PX:
-        return EndPoint(place, None, best, _out_of_focus(best.width_px))
-    met = best.meets(start, run)
-    if met is None or np.linalg.norm(met - place) > 2 * reach:
-        return EndPoint(place, None, best, "the edge does not meet the gauge near its end")
-    deviation = np.sqrt(best.variance_at(met)) / _sine(best.along, run)
-    return EndPoint(place, met, best, deviation_px=float(deviation))
+    clear = [edge for edge in edges if edge.width_px <= _BLUNT_PX]
+    if not clear:
+        return EndPoint(place, None, edges[0], _out_of_focus(edges[0].width_px))
+    met = [(edge, edge.meets(start, run)) for edge in clear]
+    near = [(edge, at) for edge, at in met if at is not None and np.linalg.norm(at - place) <= 2 * reach]
+    if not near:
+        return EndPoint(place, None, clear[0], "the edge does not meet the gauge near its end")
+    along = np.array([(at - start) @ run for _, at in near])
+    deviation = np.array([np.sqrt(edge.variance_at(at)) / _sine(edge.along, run) for edge, at in near])
+    weight = deviation**-2 / (deviation**-2).sum()
+    middle = float(weight @ along)
+    total = float((deviation**-2).sum() ** -0.5)
+    chance = np.sqrt(np.maximum(deviation**2 - total**2, 0.0))
+    if (np.abs(along - middle) > _DISAGREE * chance + _DISAGREE_PX).any():
+        return EndPoint(place, None, near[0][0], f"the edges there do not meet in a point: by {np.ptp(along):.1f} px")
+    slide = [float(e.along @ run) / float(run[0] * e.along[1] - run[1] * e.along[0]) for e, _ in near]
+    best = near[int(np.argmin(deviation))][0]
+    found = start + middle * run
+    return EndPoint(place, found, best, deviation_px=total, slide=float(weight @ np.array(slide)))

@@ -1,14 +1,14 @@
 """Is the law of the error true? Displaced looks are rendered and measured, and their errors held against the law.
 
-What predicts sees the inspection, and of each setting one image without noise or displacement, for contrast: nothing of
-the looks that it is judged on.
+What predicts sees the inspection and, of each setting, a rehearsal: images without noise, of which the contrast of
+edges is taken, and whether they can be found at all. It sees nothing of the looks that it is judged on.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from os import PathLike
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import InputError, NoCandidateError
-from ..geometry import Camera, PoseError
+from ..geometry import Camera, PoseError, invert, transform
 from ..io.atomic import write_text_atomically
 from ..measurement.edges import EdgeFinder
 from ..measurement.gauge_image import ExpectedGauge, GaugeImage, find_guide, gauge_windows, measure_gauge
@@ -50,6 +50,7 @@ __all__ = [
 LEVELS = (0.68, 0.95, 0.99)
 """Of the intervals whose coverage is counted."""
 
+_REHEARSALS, _OFF_PX = 4, 0.15  # displaced images without noise, and how far off a length may be in them
 _LIMITS = 0.99  # of the counts that are expected where the law is true
 
 
@@ -270,7 +271,7 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
     gauges = seen_gauges(job.evaluation, T)
     windows = [window for gauge in gauges.values() for window in gauge_windows(gauge, T, camera, head)]
     renderer, expected, full = _renderer_of(job), list(gauges.values()), 2**sensor.bits - 1
-    rounding = 1 / full / np.sqrt(12)
+    rounding, draw = 1 / full / np.sqrt(12), np.random.default_rng([job.seed, index, 1])
     noise, rehearsal = float(np.hypot(sensor.noise, rounding)), replace(sensor, noise=0.0)
 
     def measured(
@@ -283,19 +284,11 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
             return [None] * len(expected)
         return [measure_gauge(finder, image, gauge, T, camera, guide) for gauge in expected]
 
-    strict = measured(T, rehearsal, camera, np.random.default_rng(0), rounding)
-    clean = [
-        seen if clear is not None and clear.measured_mm is not None else clear
-        for clear, seen in zip(strict, measured(T, rehearsal, camera, np.random.default_rng(0)), strict=True)
-    ]
-    known = [k for k, seen in enumerate(clean) if seen is not None and seen.measured_mm is not None]
-    refused = [
-        (name, dimension, "the part is not seen as planned" if seen is None else seen.reason)
-        for dimension, seen in zip(gauges, clean, strict=True)
-        if seen is None or seen.measured_mm is None
-    ]
+    why = _rehearsed(gauges, T, camera, head, lambda pose: measured(pose, rehearsal, camera, draw, rounding), draw)
+    clean = measured(T, rehearsal, camera, draw)
+    known = [k for k, (reason, seen) in enumerate(zip(why, clean, strict=True)) if not reason and seen is not None]
+    refused = [(name, dimension, reason) for dimension, reason in zip(gauges, why, strict=True) if reason]
     poses = displaced_poses(T, head, job.looks, np.random.default_rng([job.seed, index]))
-    draw = np.random.default_rng([job.seed, index, 1])
     choice = draw.integers(len(known), size=job.looks) if known else np.zeros(0, np.int64)
     looks = []
     for look in range(job.looks if known else 0):
@@ -313,6 +306,30 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
 
 
 _Seen = GaugeImage | None
+
+
+def _rehearsed(
+    gauges: Mapping[str, ExpectedGauge],
+    T_part_camera: NDArray[np.float64],
+    camera: Camera,
+    head: PoseError,
+    measured: Callable[[NDArray[np.float64]], list[_Seen]],
+    rng: np.random.Generator,
+) -> list[str]:
+    """Why a gauge cannot be measured even in images without noise, or is not where it is found; empty where it can."""
+    why = ["" for _ in gauges]
+    for pose in [T_part_camera, *displaced_poses(T_part_camera, head, _REHEARSALS, rng)]:
+        for k, (gauge, seen) in enumerate(zip(gauges.values(), measured(pose), strict=True)):
+            if seen is None:
+                why[k] = why[k] or "the part is not seen as planned"
+            elif seen.measured_mm is None:
+                why[k] = why[k] or seen.reason
+            else:
+                true = float(np.linalg.norm(np.diff(camera.project(transform(invert(pose), gauge.points)), axis=0)))
+                off = abs(seen.measured_mm - true) / min(camera.pixel_pitch_mm)
+                if off > _OFF_PX:
+                    why[k] = why[k] or f"what lies beside its edges moves them: off by {off:.1f} px in clear images"
+    return why
 
 
 def _pair(
