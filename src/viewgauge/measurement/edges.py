@@ -278,6 +278,8 @@ class EdgeFinder:
                 return None
             guess = np.full(len(t), place[0])
         _, width = self.step(places + guess[:, None] * across, across)
+        if not math.isfinite(width):
+            return None
         sharp = self.refined(places, across, guess, width)
         least = _AGREE * len(t)
         kept = _agreeing(t, sharp.offset, np.isfinite(sharp.offset), order)

@@ -74,6 +74,8 @@ def find_rim(
         return None
     guess = places[good] + offset[good, None] * across[good]
     width = _width(finder, guess, across[good], slope[good])
+    if not np.isfinite(width):
+        return None
     sharp = finder.refined(places[good], across[good], offset[good], width)
     kept = np.isfinite(sharp.offset) & (sharp.contrast * turned > _FAINT * np.median(np.abs(sharp.contrast)))
     if kept.sum() < _AGREE * count:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -22,8 +22,9 @@ from ..measurement.edges import EdgeFinder
 from ..measurement.gauge_image import ExpectedGauge, GaugeImage, Guide, find_guide, gauge_windows, measure_gauge
 from ..measurement.length_law import length_law
 from ..part import Dimension, Gauge
+from ..planning import without_allowed_error
 from .chunks import EvaluationJob, evaluator_of
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
 from .write import make_folder
 
@@ -105,6 +106,7 @@ def measure(
     require_edges(edges)
     planned, progress = read_plan(Path(plan)), progress or Silent()
     gauges = {(p.dimension, p.setting): _expected(p, inspection) for p in planned}
+    known = _all_seen(inspection, {p.setting: p.T_part_camera for p in planned})
     files = _images(Path(images), sorted({p.setting for p in planned}))
     place = None if output is None else make_folder(output)
     found: list[Measured] = []
@@ -113,7 +115,7 @@ def measure(
             mine = [p for p in planned if p.setting == setting]
             grey = read_grey(file)
             expected = [gauges[p.dimension, p.setting] for p in mine]
-            seen, why = _seen(grey, mine, expected, inspection)
+            seen, why = _seen(grey, mine, expected, known[setting], inspection)
             rows = [_judged(file.name, p, gauge, why, inspection, edges) for p, gauge in zip(mine, seen, strict=True)]
             found += rows
             if place is not None:
@@ -159,6 +161,14 @@ def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedGa
     )
 
 
+def _all_seen(inspection: Inspection, settings: Mapping[str, NDArray[np.float64]]) -> dict[str, list[ExpectedGauge]]:
+    """Of each setting the gauges of all dimensions that it sees, planned or not: they tell where it was taken from."""
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    chosen = ExplicitSettings(tuple(settings), np.array(list(settings.values())))
+    evaluation = EvaluationJob.of(inspection, dimensions, chosen)
+    return {name: list(seen_gauges(evaluation, T).values()) for name, T in settings.items()}
+
+
 def _images(folder: Path, settings: Sequence[str]) -> list[tuple[Path, str]]:
     """Images of the settings, by name."""
     if not folder.is_dir():
@@ -178,18 +188,19 @@ def _seen(
     grey: NDArray[np.float64],
     planned: Sequence[PlannedMeasurement],
     gauges: Sequence[ExpectedGauge],
+    known: Sequence[ExpectedGauge],
     inspection: Inspection,
 ) -> tuple[list[GaugeImage | None], str]:
-    """The gauges in an image; or none of them, and why."""
+    """The gauges in an image, found with the help of all that is known to be seen; or none of them, and why."""
     camera, head = inspection.camera, inspection.head
     columns, rows = camera.resolution
     if grey.shape != (rows, columns):
         why = f"the image is {grey.shape[1]} x {grey.shape[0]} px, the camera's {columns} x {rows}"
         return [None] * len(planned), why
     T = planned[0].T_part_camera
-    windows = [window for gauge in gauges for window in gauge_windows(gauge, T, camera, head)]
+    windows = [window for gauge in (*gauges, *known) for window in gauge_windows(gauge, T, camera, head)]
     finder = EdgeFinder(grey, windows=windows)
-    guide: Guide | None = find_guide(finder, gauges, T, camera, head)
+    guide: Guide | None = find_guide(finder, known, T, camera, head)
     if guide is None:
         return [None] * len(planned), "the part is not seen as planned: edges are missing or elsewhere"
     return [measure_gauge(finder, grey, gauge, T, camera, guide) for gauge in gauges], ""
