@@ -108,29 +108,39 @@ def row(name: str, of: Lengths, factor: float) -> str:
     return f"| {name} | {len(z)} | {predicted:.2f} | {measured:.2f} | {predicted / measured:.2f} | {shares} |"
 
 
+def report(folder: Path, folds: int, seed: int) -> list[str]:
+    """Markdown of the study."""
+    lengths, factor, views = study(folder, folds, seed)
+    head = ("length / mm", "lengths", "predicted rms / mm", "measured rms / mm", "ratio", "within 1 σ", "2 σ", "3 σ")
+    lines = [
+        f"{views} views, {folds} folds, {len(lengths.length)} lengths",
+        "",
+        "| " + " | ".join(head) + " |",
+        "|" + " --- |" * len(head),
+        "| of a normal law | | | | | 68.3% | 95.4% | 99.7% |",
+    ]
+    for low, high in itertools.pairwise(BINS):
+        some = (lengths.length >= low) & (lengths.length < high)
+        part = Lengths(*(getattr(lengths, n)[some] for n in ("length", "error", "sigma", "view")))
+        lines.append(row(f"{low:g} to {high:g}", part, 1.0))
+    lines.append(row("all", lengths, 1.0))
+    lines.append(row(f"all, few samples counted (× {factor:.2f})", lengths, factor))
+    lines += ["", "| view | predicted rms / mm | measured rms / mm |", "| --- | --- | --- |"]
+    for k in np.unique(lengths.view):
+        some = lengths.view == k
+        predicted, measured = (np.sqrt((v[some] ** 2).mean()) for v in (lengths.sigma, lengths.error))
+        lines.append(f"| {k} | {predicted:.2f} | {measured:.2f} |")
+    return lines
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--folds", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    lengths, factor, views = study(given.folder, given.folds, given.seed)
-    print(f"{views} views, {given.folds} folds, {len(lengths.length)} lengths\n")
-    head = ("length / mm", "lengths", "predicted rms / mm", "measured rms / mm", "ratio", "within 1 σ", "2 σ", "3 σ")
-    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
-    print("| of a normal law | | | | | 68.3% | 95.4% | 99.7% |")
-    for low, high in itertools.pairwise(BINS):
-        some = (lengths.length >= low) & (lengths.length < high)
-        part = Lengths(*(getattr(lengths, n)[some] for n in ("length", "error", "sigma", "view")))
-        print(row(f"{low:g} to {high:g}", part, 1.0))
-    print(row("all", lengths, 1.0))
-    print(row(f"all, few samples counted (× {factor:.2f})", lengths, factor))
-    print("\n| view | predicted rms / mm | measured rms / mm |\n| --- | --- | --- |")
-    for k in np.unique(lengths.view):
-        some = lengths.view == k
-        predicted, measured = (np.sqrt((v[some] ** 2).mean()) for v in (lengths.sigma, lengths.error))
-        print(f"| {k} | {predicted:.2f} | {measured:.2f} |")
+    print("\n".join(report(given.folder, given.folds, given.seed)))
 
 
 if __name__ == "__main__":

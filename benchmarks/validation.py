@@ -1,13 +1,13 @@
 """Are the predictions true of images? The example's dimensions, the paper's five settings, and where the model ends.
 
-Usage: python benchmarks/validation.py FOLDER [--looks N] [--settings N] [--part images|quantization|paper]
+Usage: python benchmarks/validation.py FOLDER [--looks N] [--settings N] [--part images|quantization|paper|robot]
 
 Writes Markdown and pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study
 that was stopped goes on.
 
 images: displaced looks of the slotted block, rendered and measured, against the law, for noise, pixels and edges;
 quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge maps
-of the reconstructed five-setting experiment (the paper's Fig. 7).
+of the reconstructed five-setting experiment (the paper's Fig. 7); robot: real images (``real_robot.py``).
 """
 
 from __future__ import annotations
@@ -239,6 +239,14 @@ def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001
     return lines
 
 
+def robot(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
+    """Part robot: lengths on a board that a real robot carries, in views that nothing was fitted to."""
+    from real_robot import report
+
+    data = Path(__file__).resolve().parents[2] / "shared" / "data" / "abb_charuco"
+    return report(data, 10, 0) if data.is_dir() else [f"left out: {data} is not there"]
+
+
 def block_of_edge(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[ExpectedGauge]]:
     """A block of which E2 is the edge that is turned to the camera, and its edges along E2, E2 first; camera frame."""
     middle, along = ends.mean(axis=0), ends[1] - ends[0]
@@ -273,6 +281,7 @@ PARTS: dict[str, Callable[[Path, int, int], list[str]]] = {
     "images": images,
     "quantization": quantization,
     "paper": paper,
+    "robot": robot,
 }
 
 

@@ -40,3 +40,16 @@ def test_refined_plans_are_no_worse_and_the_exact_camera_agrees():
     assert "worse in number or, with as many, in sureness: 0." in table
     assert "contradicts: 0." in table
     assert "with as many settings 1 of 1" in table
+
+
+def test_the_validation_s_parts_run(tmp_path):
+    """Few looks of each part: it makes its tables and pictures."""
+    pytest.importorskip("cv2", reason="OpenCV is not installed")
+    out = run("benchmarks/validation.py", str(tmp_path), "--part", "paper", "--looks", "2")
+    rows = [line for line in out.splitlines() if line.startswith("| ss")]
+    assert len(rows) == 5
+    assert all(row.endswith("of 20 |") for row in rows)
+    assert (tmp_path / "paper_figure_7.png").stat().st_size > 10_000
+    out = run("benchmarks/validation.py", str(tmp_path), "--part", "quantization")
+    assert "| 0.5 px | 1.00 to 1.00 | 1.00 to 1.00 |" in out
+    assert (tmp_path / "quantization.png").exists()

@@ -106,3 +106,33 @@ def test_bad_numbers(capsys, options, telling):
 
 def test_without_settings_it_says_where_to_give_them(capsys):
     assert "settings file" in refused(capsys, "simulate", "inspection.yaml", "-o", "images")
+
+
+def test_only_what_is_looked_at(capsys):
+    simulated(capsys)
+    whole = grey("above_0001.png")
+    Path("images").rename("whole")
+    simulated(capsys, "--only", "width", "--noise", "0")
+    part = grey("above_0001.png")
+    assert part.shape == whole.shape
+    assert 0 < (part > 0).mean() < 0.5
+    assert json.loads(Path("images/simulation.json").read_text())["only"] == ["width"]
+    # a measurement finds the edges there that it finds in the whole image; grey values are those but for noise
+    inside = part > 0
+    assert np.abs(part[inside].astype(int) - whole[inside]).mean() < 8
+    assert "no such dimension" in refused(
+        capsys, "simulate", "inspection.yaml", "--settings", "s.csv", "-o", "other", "--only", "depth"
+    )
+
+
+def test_an_uncertain_calibration_is_drawn_once_for_all_images(capsys):
+    simulated(capsys)
+    nominal = json.loads(Path("images/simulation.json").read_text())["true_camera"]
+    Path("images").rename("nominal")
+    uncertainty = "calibration_uncertainty: {focal_length: 5 px, principal_point: 3 px}, edge_resolution"
+    write(camera=SMALL.replace("edge_resolution", uncertainty))
+    simulated(capsys)
+    true = json.loads(Path("images/simulation.json").read_text())["true_camera"]
+    off = np.array(true["focal_length_px"]) - nominal["focal_length_px"]
+    assert (np.abs(off) > 1e-3).all()
+    assert (np.abs(off) < 25).all()

@@ -216,13 +216,17 @@ def validate(
 
 def _print_validation(document: dict[str, Any]) -> None:
     looks = document["settings"] * document["looks"]
-    print(f"{document['edges']} edges: {looks} looks from {document['settings']} settings, one dimension of each")
-    for level in document["coverage"]:
+    where = "1 setting" if document["settings"] == 1 else f"{document['settings']} settings"
+    print(f"{document['edges']} edges: {looks} looks from {where}, one dimension of each")
+    if not document["dimensions"]:
+        print("  nothing could be measured, not even in clear images")
+    for level in document["coverage"] if document["dimensions"] else []:
         share = level["inside"] / level["looks"] if level["looks"] else float("nan")
         limits = " to ".join(f"{100 * level[name] / max(level['looks'], 1):.1f}" for name in ("low", "high"))
         told = "" if level["holds"] else "  NOT as predicted"
         print(f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % if true){told}")
-    print("  dimension  looks  measured/predicted  inside 68, 95, 99 %")
+    if document["dimensions"]:
+        print("  dimension  looks  measured/predicted  inside 68, 95, 99 %")
     for row in document["dimensions"]:
         shares = ", ".join(
             f"{100 * level['inside'] / max(level['looks'], 1):.1f}{'' if level['holds'] else '*'}"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,7 +190,7 @@ def gauge_windows(
     T_camera_part = invert(T_part_camera)
     points = transform(T_camera_part, gauge.points)
     places = camera.to_pixels(camera.project(points))
-    reach = max(_reach_px(point, camera, error) for point in points)
+    reach = max(_reach_px(point, camera, error.camera_covariance) for point in points)
     margin = reach + _AGREE_PX * 3 + _FURTHER_PX + 4 + SPLINE_MARGIN_PX
     if gauge.rim_axis is not None:
         rim = rim_points(points, T_camera_part[:3, :3] @ gauge.rim_axis, 90)
@@ -213,47 +213,97 @@ def find_guide(
     """From about where an image was taken, by all edges at the ends of gauges; None where they do not agree.
 
     The pose error of the greatest posterior density for the head's normal law and edges that are off by their noise or
-    are others altogether (Cauchy).
+    are others altogether (Cauchy). Of a part that shows too few edges to tell whether they agree, the pose by those
+    that are found, looked for once more from there.
     """
-    T_camera_part = invert(T_part_camera)
-    rows, offsets, variances = [], [], []
-    for gauge in gauges:
-        for point, normals in zip(transform(T_camera_part, gauge.points), gauge.normals, strict=True):
-            place = camera.to_pixels(camera.project(point))
-            J = _point_jacobian_px(point, camera) @ error.adjoint
-            reach = _reach_px(point, camera, error)
-            for along in image_directions(point, T_camera_part[:3, :3], normals, camera):
-                for span in along.spans:
-                    edge = finder.edge(place, along.unit, span, reach, gauge.bent)
-                    if edge is not None:
-                        middle = (span[0] + span[-1]) / 2
-                        a, b, c = edge.coefficients
-                        offsets.append(a + b * middle + c * middle**2)
-                        variances.append(edge.variance_at(place + middle * along.unit))
-                        rows.append(edge.across @ J)
-                        if along.spans is _ON_EDGE:
-                            break
-    if len(offsets) < _FEWEST_EDGES:
+    if not gauges:
         return None
-    A, y, variance = np.array(rows), np.array(offsets), np.array(variances)
-    factor = error.factor
+    points = [transform(invert(T_part_camera), point) for gauge in gauges for point in gauge.points]
+    reaches = [_reach_px(point, camera, error.camera_covariance) for point in points]
+    found = _edges_near(finder, gauges, T_part_camera, camera, error, reaches)
+    looked_for = sum(
+        len(image_directions(point, T_part_camera[:3, :3].T, normals, camera))
+        for point, normals in zip(points, [n for gauge in gauges for n in gauge.normals], strict=True)
+    )
+    to_camera = error.adjoint @ error.factor
+    if looked_for >= 2 * _FEWEST_EDGES:
+        if len(found.offset) < _FEWEST_EDGES:
+            return None
+        twist, posterior = _pose_of(found, error)
+        left = np.abs(found.offset - found.rows @ twist)
+        agree = left < _AGREE_PX
+        if agree.sum() < max(_FEWEST_EDGES, _FEWEST_AGREE * len(left)):
+            return None
+        reach = float(3 * np.median(left[agree]) + _FURTHER_PX)
+    else:
+        twist, posterior = _pose_of(found, error)
+        spread = to_camera @ posterior @ to_camera.T
+        nearer = [_reach_px(point, camera, spread) for point in points]
+        again = _edges_near(finder, gauges, _moved(T_part_camera, twist, error), camera, error, nearer)
+        twist, posterior = _pose_of(replace(again, offset=again.offset + again.rows @ twist), error)
+        spread = to_camera @ posterior @ to_camera.T
+        reach = max(_reach_px(point, camera, spread) for point in points)
+    return Guide(_moved(T_part_camera, twist, error), reach, to_camera @ posterior @ to_camera.T)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Of n edges how far off they are, px ``(n,)``, with variance, and by how much for each unit of pose ``(n, 6)``."""
+
+    offset: NDArray[np.float64]
+    variance: NDArray[np.float64]
+    rows: NDArray[np.float64]
+
+
+def _edges_near(
+    finder: EdgeFinder,
+    gauges: Sequence[ExpectedGauge],
+    T_part_camera: NDArray[np.float64],
+    camera: Camera,
+    error: PoseError,
+    reaches: Sequence[float],
+) -> _Found:
+    """Edges at the ends of gauges, looked for within the reach of each end of where a pose has them."""
+    T_camera_part = invert(T_part_camera)
+    offsets, variances, rows = [], [], []
+    ends = [(gauge, k) for gauge in gauges for k in range(2)]
+    for (gauge, k), reach in zip(ends, reaches, strict=True):
+        point = transform(T_camera_part, gauge.points[k])
+        place = camera.to_pixels(camera.project(point))
+        J = _point_jacobian_px(point, camera) @ error.adjoint
+        for along in image_directions(point, T_camera_part[:3, :3], gauge.normals[k], camera):
+            for span in along.spans:
+                edge = finder.edge(place, along.unit, span, reach, gauge.bent)
+                if edge is not None:
+                    middle = (span[0] + span[-1]) / 2
+                    a, b, c = edge.coefficients
+                    offsets.append(a + b * middle + c * middle**2)
+                    variances.append(edge.variance_at(place + middle * along.unit))
+                    rows.append(edge.across @ J)
+                    if along.spans is _ON_EDGE:
+                        break
+    return _Found(np.array(offsets), np.array(variances), np.array(rows).reshape(-1, 6))
+
+
+def _pose_of(found: _Found, error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The pose error ``(6,)``, head frame, and its covariance ``(6, 6)`` in units of the head's factor."""
+    A, y, variance, factor = found.rows, found.offset, found.variance, error.factor
     scaled, twist = A @ factor, np.zeros(6)
-    posterior: NDArray[np.float64]
+    posterior: NDArray[np.float64] = np.eye(6, dtype=np.float64)
     for scale in _SCALES:  # of standard deviations, from which on an edge counts as another
         weight = 1 / (variance * (1 + (y - A @ twist) ** 2 / (scale**2 * variance)))
         posterior = np.asarray(np.linalg.inv(scaled.T @ (weight[:, None] * scaled) + np.eye(6)))
         twist = factor @ (posterior @ (scaled.T @ (weight * y)))
-    left = np.abs(y - A @ twist)
-    agree = left < _AGREE_PX
-    if agree.sum() < max(_FEWEST_EDGES, _FEWEST_AGREE * len(y)):
-        return None
+    return twist, posterior
+
+
+def _moved(T_part_camera: NDArray[np.float64], twist: NDArray[np.float64], error: PoseError) -> NDArray[np.float64]:
+    """``T_part_camera`` of a camera whose head has a pose error."""
     displacement = np.eye(4)
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
     assert error.T_camera_head is not None  # set by PoseError
-    moved = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ T_camera_part
-    to_camera = error.adjoint @ factor
-    covariance = to_camera @ posterior @ to_camera.T
-    return Guide(invert(moved), float(3 * np.median(left[agree]) + _FURTHER_PX), covariance)
+    seen = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ invert(T_part_camera)
+    return np.asarray(invert(seen))
 
 
 def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
@@ -261,10 +311,10 @@ def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np
     return np.asarray(camera.pixel_jacobian(camera.project(point)) @ point_jacobian(point, camera.focal_length_mm))
 
 
-def _reach_px(point: NDArray[np.float64], camera: Camera, error: PoseError) -> float:
-    """How far an end may be from where it is expected."""
+def _reach_px(point: NDArray[np.float64], camera: Camera, covariance: NDArray[np.float64]) -> float:
+    """How far an end may be from where it is expected, for a covariance ``(6, 6)`` of the pose, camera frame."""
     J = _point_jacobian_px(point, camera)
-    spread = J @ error.camera_covariance @ J.T
+    spread = J @ covariance @ J.T
     return float(_SIGMAS * np.sqrt(np.linalg.eigvalsh(spread)[-1]) + _FURTHER_PX)
 
 

@@ -78,8 +78,8 @@ class Coverage:
 
     @property
     def holds(self) -> bool:
-        """Whether the count is what is expected of a true law."""
-        return self.low <= self.inside <= self.high
+        """Whether the count is what is expected of a true law; without a look nothing is."""
+        return self.looks > 0 and self.low <= self.inside <= self.high
 
 
 @dataclass(frozen=True)
