@@ -32,6 +32,7 @@ _PROFILE_STEP_PX, _HALF_PROFILE_PX = 0.5, (3.5, 6.0)  # of the fit of a profile
 _STRAIGHT, _STRAIGHT_PX = 1.7, 0.05  # of what a fit leaves: times the noise, and by sampling
 _BENDS = 3.5  # standard deviations of a curvature that is no chance
 _ROUNDS, _MOVED_PX = 4, 1.0
+_SHARPEST_PX = 0.29  # width of an edge without blur: the pixel's own, 1/sqrt(12)
 _LEFT, _LEFT_NOISE = 0.04, 3.0  # of a mean profile that is an edge's: share of the step, times the noise
 _RAMP, _RAMP_NOISE = 0.05, 3.0  # of the slope beside it, per px, likewise
 
@@ -137,31 +138,44 @@ class _Fitted:
     left: NDArray[np.float64]
 
 
+def _half_profile_px(width_px: float) -> float:
+    return float(np.clip(4 * width_px, *_HALF_PROFILE_PX))
+
+
+def _step_basis(
+    s: NDArray[np.float64], width_px: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """``(n, 4)``: of c0, c1, A, c2 in ``c0 + c1 s + A Phi(s/w) + c2 (s Phi(s/w) + w phi(s/w))``, s px from the edge.
+
+    And Phi, and the density of the step, per px.
+    """
+    w = max(width_px, _SHARPEST_PX)
+    z = s / w
+    cdf, pdf = ndtr(z), np.exp(-(z**2) / 2) / (w * np.sqrt(2 * np.pi))
+    return np.stack([np.ones_like(s), s, cdf, s * cdf + w**2 * pdf], axis=1), cdf, pdf
+
+
 class _ProfileModel:
-    """A profile ``c0 + c1 s + A Phi(s/w) + c2 (s Phi(s/w) + w phi(s/w))``, s px from the edge."""
+    """A blurred step between two ramps, at places evenly spaced along a profile."""
 
     def __init__(self, width_px: float) -> None:
-        w = max(width_px, 0.3)
-        half = float(np.clip(4 * w, *_HALF_PROFILE_PX))
+        half = _half_profile_px(width_px)
         self.grid = np.arange(-half, half + 1e-9, _PROFILE_STEP_PX)
-        z = self.grid / w
-        self._cdf, self._pdf = ndtr(z), np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi)
-        self._w = w
-        basis = np.stack([np.ones_like(z), self.grid, self._cdf, self.grid * self._cdf + w * self._pdf], axis=1)
+        basis, self._cdf, self._pdf = _step_basis(self.grid, width_px)
         self._solve = np.linalg.pinv(basis)
-        self._rest = np.eye(len(z)) - basis @ self._solve
+        self._rest = np.eye(len(basis)) - basis @ self._solve
 
     @property
     def information(self) -> float:
         """Of where the edge is, per px², for a step of 1 in noise of 1 a pixel."""
-        slope = self._rest @ (self._pdf / self._w)
+        slope = self._rest @ self._pdf
         return float(slope @ slope) * float(_PROFILE_STEP_PX)
 
     def fitted(self, grey: NDArray[np.float64]) -> _Fitted:
         """How far from the middle of profiles ``(k, m)`` their edges are, in one step of Gauss and Newton."""
         c = grey @ self._solve.T
         left = grey @ self._rest
-        moving = -(c[:, 1, None] + c[:, 2, None] * self._pdf / self._w + c[:, 3, None] * self._cdf) @ self._rest
+        moving = -(c[:, 1, None] + c[:, 2, None] * self._pdf + c[:, 3, None] * self._cdf) @ self._rest
         size = (moving**2).sum(axis=1)
         shift = np.divide((moving * left).sum(axis=1), size, out=np.zeros(len(c)), where=size > 0)
         return _Fitted(shift, c[:, 2], np.stack([c[:, 1], c[:, 1] + c[:, 3]], axis=1), left)
@@ -228,6 +242,7 @@ class EdgeFinder:
 
         grey = np.asarray(image, dtype=np.float32)
         self.noise: float = noise_of(grey) if noise is None else noise
+        self._grey = grey
         if windows is None:
             self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
             return
@@ -291,19 +306,79 @@ class EdgeFinder:
         chance = 4 * residual.std() * np.sqrt(12 / len(t)) / np.ptp(t)  # what noise may turn it by
         if abs(fit[-2]) > (_TURNED_BENT if bent else _TURNED) + chance:
             return None
-        coefficients = np.array([*fit[::-1], 0.0, 0.0])[:3]
         contrast = float(np.median(np.abs(sharp.contrast[kept])))
         if contrast < _CLEAR_EDGE * self.noise / np.sqrt(len(places_px)):
             return None
-        design = np.vander(t, order + 1, increasing=True)
-        shape = np.zeros((3, 3))
-        shape[: order + 1, : order + 1] = np.linalg.inv(design.T @ design)
         deviation, rms = self.point_deviation_px(contrast, width), float(np.sqrt((residual**2).mean()))
         if rms > _STRAIGHT * deviation + _STRAIGHT_PX or (not bent and _bends(t, offset, deviation)):
             return None
-        covariance = deviation**2 * shape
+        if bent:
+            design = np.vander(t, order + 1, increasing=True)
+            coefficients, covariance = fit[::-1], deviation**2 * np.linalg.inv(design.T @ design)
+        else:
+            polished = self._on_pixels(point, along, t, fit[::-1], width)
+            if polished is None:
+                return None
+            coefficients, covariance, width = polished
         covariance[0, 0] += BIAS_PX**2
-        return Edge(point, along, coefficients, covariance, rms, width, contrast)
+        shape = np.zeros((3, 3))
+        shape[: len(coefficients), : len(coefficients)] = covariance
+        return Edge(point, along, np.array([*coefficients, 0.0])[:3], shape, rms, width, contrast)
+
+    def _on_pixels(
+        self,
+        point: NDArray[np.float64],
+        along: NDArray[np.float64],
+        t: NDArray[np.float64],
+        line: NDArray[np.float64],
+        width_px: float,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
+        """Coefficients ``(2,)`` of a straight edge, covariance, and width, by the pixels; None if it runs away.
+
+        Least squares of one blurred step between two ramps, its blur too, for all pixels of the strip. Nothing is
+        interpolated: beside rows and columns profiles that are interpolated between pixels all err alike.
+        """
+        across = np.array([-along[1], along[0]])
+        half = _half_profile_px(width_px)
+        ends = np.array([t.min() - 0.5, t.max() + 0.5])
+        middle = point + ends[:, None] * along + (line[0] + line[1] * ends)[:, None] * across
+        corners = np.concatenate([middle - half * across, middle + half * across])
+        (left, top), (right, bottom) = (
+            np.floor(corners.min(axis=0)).astype(int),
+            np.ceil(corners.max(axis=0)).astype(int),
+        )
+        rows, columns = self._grey.shape
+        if left < 0 or top < 0 or right >= columns or bottom >= rows:
+            return None
+        v, u = np.mgrid[top : bottom + 1, left : right + 1]
+        place = (u - point[0]) * along[0] + (v - point[1]) * along[1]
+        beside = (u - point[0]) * across[0] + (v - point[1]) * across[1]
+        inside = (place >= ends[0]) & (place <= ends[1]) & (np.abs(beside - line[0] - line[1] * place) <= half)
+        inside &= np.isfinite(self._splines[top : bottom + 1, left : right + 1])
+        place, beside = place[inside], beside[inside]
+        grey = self._grey[top : bottom + 1, left : right + 1][inside].astype(float)
+        if len(grey) < 3 * len(t):
+            return None
+        fitted = np.array([*line, width_px], dtype=float)
+        for _ in range(_ROUNDS):
+            off, w = beside - fitted[0] - fitted[1] * place, max(fitted[2], _SHARPEST_PX)
+            basis, cdf, pdf = _step_basis(off, w)
+            Q, R = np.linalg.qr(basis)
+            diagonal = np.abs(np.diagonal(R))
+            if diagonal.min() < 1e-9 * diagonal.max():
+                return None  # the edge has left the strip
+            c = np.linalg.solve(R, Q.T @ grey)
+            slope = -(c[1] + c[2] * pdf + c[3] * cdf)
+            moving = np.stack([slope, slope * place, (c[3] * w - c[2] * off / w) * pdf], axis=1)
+            moving -= Q @ (Q.T @ moving)
+            normal = moving.T @ moving
+            if not np.linalg.det(normal) > 0:
+                return None
+            fitted = fitted + np.clip(np.linalg.solve(normal, moving.T @ grey), -_MOVED_PX, _MOVED_PX)
+        ran = np.abs(fitted[0] - line[0] + (fitted[1] - line[1]) * ends)
+        if not (ran <= _MOVED_PX).all():
+            return None
+        return fitted[:2], self.noise**2 * np.linalg.inv(normal)[:2, :2], float(max(fitted[2], _SHARPEST_PX))
 
     def offsets(
         self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float
