@@ -2,9 +2,9 @@
 
 Usage: python benchmarks/validation.py FOLDER [--looks N] [--settings N] [--part images|quantization|paper|robot]
 
-N looks of each of the settings in the first run, half as many in the others (100 and 20 by default). Writes Markdown and
-pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study
-that was stopped goes on.
+N looks of each of the settings in the first run, half as many in the others (100 and 20 by default). Writes Markdown
+and pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study that was
+stopped goes on.
 
 images: displaced looks of the slotted block, rendered and measured, against the law, for noise, pixels and edges;
 quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge maps

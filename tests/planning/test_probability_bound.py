@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from strategies import pose_covariances
 from viewgauge.evaluation import image_segment
-from viewgauge.geometry import Camera, PoseError, look_at
+from viewgauge.geometry import Camera, EdgeLocator, Lens, PoseError, look_at
 from viewgauge.planning.bounds import Budget
 from viewgauge.planning.bounds.box import OUT, box_bounds
 from viewgauge.planning.bounds.branch import _Search, probability_bound
@@ -21,6 +21,16 @@ from viewgauge.visibility import ObservationLimits
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.2)
 WIDE = Camera(6.0, (0.00345, 0.005), (2448, 1400), edge_resolution_px=1.0, principal_point_px=(900.0, 800.0))
 SHARP_NEAR_300 = Camera(16.0, (0.00345, 0.00345), (2448, 2048), f_number=2.0, focus_distance_mm=300.0)
+BENT = Camera(8.0, (0.00345, 0.00345), (2448, 2048), lens=Lens("radial-tangential", (-0.3, 0.15, 1e-3, -2e-3)))
+LOCATED = Camera(16.0, (0.00345, 0.00345), (2448, 2048), locator=EdgeLocator(0.1, 0.03, 14, 5.0))
+CALIBRATED = Camera(
+    12.0,
+    (0.00345, 0.0036),
+    (2448, 2048),
+    lens=Lens("equidistant", (0.03, -0.01, 0.0, 0.0)),
+    intrinsics_covariance=tuple(map(tuple, np.diag([1.0, 1.0, 2.0, 2.0, 1e-6, 1e-6, 1e-8, 1e-8]).tolist())),
+    locator=EdgeLocator(0.2),
+)
 LIMITS = ObservationLimits()
 HEAD = PoseError.from_standard_deviations(0.1, 3e-4, pivot_mm=(5.0, 0.0, -60.0))
 
@@ -94,11 +104,11 @@ def test_five_parameters_give_the_errors_of_the_model(seed, covariance, camera):
 @given(
     st.integers(0, 2**32 - 1),
     pose_covariances(),
-    st.sampled_from([CAMERA, WIDE, SHARP_NEAR_300]),
+    st.sampled_from([CAMERA, WIDE, SHARP_NEAR_300, BENT, LOCATED, CALIBRATED]),
     st.sampled_from([4.0, 30.0, 150.0]),
     st.sampled_from([2e-4, 1e-3, 5e-3]),
 )
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_no_pose_in_the_region_exceeds_the_bound(seed, covariance, camera, length, tolerance):
     rng = np.random.default_rng(seed)
     error = PoseError(covariance, pivot_mm=(3.0, -8.0, -70.0))
