@@ -65,3 +65,10 @@ def test_bad_input(capsys):
     errors(20)
     Path("file").touch()
     assert "file in its place" in refused(capsys, "characterize", "errors.csv", "-o", "file/head.yaml")
+
+
+def test_of_errors_there_is_no_camera_to_write(capsys):
+    errors(12)
+    said = refused(capsys, "characterize", "errors.csv", "--camera", "camera.yaml")
+    assert "not images of a board" in said
+    assert not Path("camera.yaml").exists()

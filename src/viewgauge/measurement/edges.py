@@ -13,7 +13,7 @@ from scipy.special import ndtr
 
 from ..geometry import Window
 
-__all__ = ["BIAS_PX", "SPLINE_MARGIN_PX", "Edge", "EdgeFinder", "noise_of"]
+__all__ = ["BIAS_PX", "SPLINE_MARGIN_PX", "Edge", "EdgeFinder"]
 
 SPLINE_MARGIN_PX = 8
 """Splines of a part of an image are those of the whole, to 1e-4, so far inside it."""
@@ -52,7 +52,7 @@ class Edge:
     residual_px
         Root mean square of the profiles about the fit.
     width_px
-        Of a blur of standard deviation s about ``s (2 Phi(3/s) - 1)``: s up to 1.5 px, less beyond, never above 2.4.
+        Standard deviation of the blur, the pixel's own included; of wide blurs less.
     contrast
         Step of grey values across the edge, share of full scale.
     """
@@ -241,7 +241,7 @@ class EdgeFinder:
         from scipy.ndimage import spline_filter
 
         grey = np.asarray(image, dtype=np.float32)
-        self.noise: float = noise_of(grey) if noise is None else noise
+        self.noise: float = _noise_of(grey) if noise is None else noise
         self._grey = grey
         if windows is None:
             self._splines = spline_filter(grey, order=3, output=np.float32, mode="nearest")
@@ -462,10 +462,6 @@ class EdgeFinder:
             return 0.0
         return self.noise / contrast / math.sqrt(_profile_model(width_px).information)
 
-    def contrast_of(self, slope: NDArray[np.float64], width_px: float) -> NDArray[np.float64]:
-        """Step of grey values of edges that are so steep (:meth:`offsets`) and so wide."""
-        return np.asarray(np.abs(slope) * np.sqrt(2 * np.pi * (width_px**2 + _SMOOTHED_PX**2)))
-
     def _at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Grey values at places ``(..., 2)`` px, by cubic splines."""
         from scipy.ndimage import map_coordinates
@@ -481,7 +477,7 @@ def _slope(grey: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(gaussian_filter1d(grey, _SMOOTHED_PX / _STEP_PX, axis=-1, order=1) / _STEP_PX)
 
 
-def noise_of(image: NDArray[np.float32]) -> float:
+def _noise_of(image: NDArray[np.float32]) -> float:
     """Standard deviation of a pixel, robustly, from second differences (Immerkaer 1996): edges are rare."""
     rows, columns = (slice(1, -1),) * 2
     inner = image[rows, columns]

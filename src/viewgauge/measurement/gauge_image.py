@@ -280,7 +280,7 @@ def _edges_near(
                     offsets.append(a + b * middle + c * middle**2)
                     variances.append(edge.variance_at(place + middle * along.unit))
                     rows.append(edge.across @ J)
-                    if along.spans is _ON_EDGE:
+                    if along.through:
                         break
     return _Found(np.array(offsets), np.array(variances), np.array(rows).reshape(-1, 6))
 
@@ -339,16 +339,21 @@ def image_directions(
         image = camera.to_pixels(camera.project(np.stack([point - step, point + step])))
         run = image[1] - image[0]
         if np.linalg.norm(run) > 0:
-            found.append(_Direction(run / np.linalg.norm(run), _AT_CORNER if leaning else _ON_EDGE))
+            spans = _AT_CORNER if leaning else _ON_EDGE
+            found.append(_Direction(run / np.linalg.norm(run), spans, through=not leaning))
     return found
 
 
 @dataclass(frozen=True)
 class _Direction:
-    """Of an edge in the image, ``(2,)`` unit, and where along it to look, px, in this order."""
+    """Of an edge in the image, ``(2,)`` unit, and where along it to look, px, in this order.
+
+    ``through``: it goes on to both sides of the point.
+    """
 
     unit: NDArray[np.float64]
     spans: tuple[NDArray[np.float64], ...]
+    through: bool
 
 
 @dataclass(frozen=True)

@@ -61,42 +61,20 @@ def find_rim(
     around = _image(points, axis, camera, 200)
     count = int(np.clip(np.linalg.norm(np.diff(around, axis=0, append=around[:1]), axis=1).sum(), _FEWEST, _MOST))
     places = _image(points, axis, camera, count)
-    across = _normals(places)
-    offset, slope = finder.offsets(places, across, reach_px)
-    good = np.isfinite(offset)
-    if good.sum() < _AGREE * count:
+    found = _edge_points(finder, places, reach_px)
+    if found is None:
         return None
-    slope = np.where(good, slope, 0.0)
-    clearest = np.quantile(np.abs(slope), 0.9)
-    turned = np.sign(np.median(slope[np.abs(slope) >= clearest / 2]))
-    good &= slope * turned >= _FAINT * clearest
-    if good.sum() < _AGREE * count:
-        return None
-    guess = places[good] + offset[good, None] * across[good]
-    width = _width(finder, guess, across[good], slope[good])
-    if not np.isfinite(width):
-        return None
-    sharp = finder.refined(places[good], across[good], offset[good], width)
-    kept = np.isfinite(sharp.offset) & (sharp.contrast * turned > _FAINT * np.median(np.abs(sharp.contrast)))
-    if kept.sum() < _AGREE * count:
-        return None
-    edge_px = (places[good] + sharp.offset[:, None] * across[good])[kept]
-    contrast = np.abs(sharp.contrast[kept])
-    # what lies beside a faint edge moves it the more, the fainter it is
-    deviation_px = np.array([finder.point_deviation_px(value, width) for value in contrast])
-    deviation_px = np.hypot(deviation_px, BIAS_PX * (contrast.max() / contrast) ** 2)
-    expected = camera.from_pixels(places)
+    expected, px = camera.from_pixels(places), min(camera.pixel_pitch_mm)
     middle, scale = expected.mean(axis=0), float(np.abs(expected - expected.mean(axis=0)).max())
-    deviation = deviation_px * min(camera.pixel_pitch_mm) / scale
-    p, nominal = (camera.from_pixels(edge_px) - middle) / scale, _fitted((expected - middle) / scale, np.ones(count))
-    conic = nominal
+    p, deviation = (camera.from_pixels(found.places) - middle) / scale, found.deviation_px * px / scale
+    conic = nominal = _fitted((expected - middle) / scale, np.ones(count))
     for factor in _SCALES:
         off = np.abs(_distance(conic, p)) / deviation
         conic = _fitted(p, 1 / (deviation * (1 + (off / factor) ** 2)) ** 2, conic)
-    near = np.abs(_distance(conic, p)) <= np.maximum(4 * deviation, _NEAR_PX * min(camera.pixel_pitch_mm) / scale)
+    near = np.abs(_distance(conic, p)) <= np.maximum(4 * deviation, _NEAR_PX * px / scale)
     if near.sum() < _AGREE * count or not _is_ellipse(conic):
         return None
-    clear = near & (contrast >= _CLEAR * contrast.max())
+    clear = near & (found.contrast >= _CLEAR * found.contrast.max())
     if _gap(p[clear] - _centre(conic)) > _LARGEST_GAP:
         return None
     run = np.diff(camera.project(points), axis=0)[0]
@@ -107,9 +85,46 @@ def find_rim(
     chord = _chord(conic, direction)
     chord = chord.mean(axis=0) + (chord - chord.mean(axis=0)) / longer
     # what is the same all round does not average out, and counts at both ends
-    systematic = 2 * BIAS_PX * min(camera.pixel_pitch_mm)
-    variance = scale**2 * _chord_variance(conic, p[near], deviation[near], direction) + systematic**2
-    return Rim(middle + scale * chord, float(variance), width)
+    variance = scale**2 * _chord_variance(conic, p[near], deviation[near], direction) + (2 * BIAS_PX * px) ** 2
+    return Rim(middle + scale * chord, float(variance), found.width_px)
+
+
+@dataclass(frozen=True)
+class _EdgePoints:
+    """Of k points of a rim: where, ``(k, 2)`` px, how clear, ``(k,)``, and how sure across it, ``(k,)`` px."""
+
+    places: NDArray[np.float64]
+    contrast: NDArray[np.float64]
+    deviation_px: NDArray[np.float64]
+    width_px: float
+
+
+def _edge_points(finder: EdgeFinder, places: NDArray[np.float64], reach_px: float) -> _EdgePoints | None:
+    """Edges next to places ``(n, 2)`` px of a closed curve, of the same sign; None where they are too few."""
+    across, least = _normals(places), _AGREE * len(places)
+    offset, slope = finder.offsets(places, across, reach_px)
+    good = np.isfinite(offset)
+    if good.sum() < least:
+        return None
+    slope = np.where(good, slope, 0.0)
+    clearest = np.quantile(np.abs(slope), 0.9)
+    turned = np.sign(np.median(slope[np.abs(slope) >= clearest / 2]))
+    good &= slope * turned >= _FAINT * clearest
+    if good.sum() < least:
+        return None
+    places, across, offset, slope = places[good], across[good], offset[good], slope[good]
+    width = _width(finder, places + offset[:, None] * across, across, slope)
+    if not np.isfinite(width):
+        return None
+    sharp = finder.refined(places, across, offset, width)
+    kept = np.isfinite(sharp.offset) & (sharp.contrast * turned > _FAINT * np.median(np.abs(sharp.contrast)))
+    if kept.sum() < least:
+        return None
+    contrast = np.abs(sharp.contrast[kept])
+    noise = np.array([finder.point_deviation_px(value, width) for value in contrast])
+    # what lies beside a faint edge moves it the more, the fainter it is
+    deviation = np.hypot(noise, BIAS_PX * (contrast.max() / contrast) ** 2)
+    return _EdgePoints((places + sharp.offset[:, None] * across)[kept], contrast, deviation, width)
 
 
 def _width(

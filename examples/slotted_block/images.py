@@ -1,0 +1,47 @@
+"""From a plan to measured dimensions: plan with a calibrated camera, simulate images of the plan's settings, measure.
+
+Usage: python images.py [FOLDER]
+
+Writes the plan, the images and pictures of what was found into FOLDER (by default a temporary one). Exit code 1 if a
+dimension fails although the part is right.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import viewgauge as vg
+from viewgauge.workflow import Sensor
+
+FILE = Path(__file__).parent / "real_camera.yaml"
+LOOKS = 4
+
+
+def main(folder: Path) -> int:
+    """Print what was measured."""
+    inspection = vg.load(FILE, chord_error_mm=0.002)
+    plan = vg.plan(inspection, prove=False)
+    vg.write_plan(plan, inspection, folder / "plan")
+    sensor = Sensor(blur_px=0.6, noise=0.005)
+    vg.simulate(inspection, folder / "images", folder / "plan" / "settings.csv", looks=LOOKS, sensor=sensor)
+    rows = vg.measure(inspection, folder / "plan", folder / "images", folder / "measured")
+    print(f"{plan.count} settings, {LOOKS} images of each\n")
+    print("dimension | nominal | mean of measured / mm | U / mm | verdicts")
+    for name in dict.fromkeys(row.dimension for row in rows):
+        mine = [row for row in rows if row.dimension == name]
+        values = [row.measured_mm for row in mine if row.measured_mm is not None]
+        mean = f"{sum(values) / len(values):.4f}" if values else "-"
+        largest = max((row.expanded_uncertainty_mm or 0.0 for row in mine), default=0.0)
+        told = ", ".join(f"{count} {verdict}" for verdict, count in Counter(row.verdict for row in mine).items())
+        print(f"{name:9} | {mine[0].nominal_mm:7g} | {mean:>21} | {largest:6.4f} | {told}")
+    return int(any(row.verdict == "fail" for row in rows))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        sys.exit(main(Path(sys.argv[1])))
+    with tempfile.TemporaryDirectory() as made:
+        sys.exit(main(Path(made)))
