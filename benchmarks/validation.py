@@ -209,9 +209,11 @@ def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001
         grey = partial_image(renderer, sensor, T, camera, whole, np.random.default_rng(k))
         edges = cv2.Canny(grey.astype(np.uint8), 45, 110)
         places = camera.to_pixels(camera.project(ends))
+        shown = camera.to_pixels(camera.project(vertices))
+        u, v = np.clip((shown.min(axis=0) + shown.max(axis=0)) / 2, [100, 75], np.array(camera.resolution) - [101, 76])
         for row, picture in enumerate((grey, 255 - edges)):
             axes[row, k].imshow(picture, cmap="gray", vmin=0, vmax=255, interpolation="none")
-            axes[row, k].set(xticks=[], yticks=[])
+            axes[row, k].set(xticks=[], yticks=[], xlim=(u - 100, u + 100), ylim=(v + 75, v - 75))
         axes[0, k].plot(*places.T, color="#e69f00", linewidth=1)
         axes[0, k].set_title(f"{setting.name}: E2 {np.linalg.norm(places[1] - places[0]):.0f} px", fontsize=9)
         windows = [window for gauge in gauges for window in gauge_windows(gauge, T, camera, head)]
