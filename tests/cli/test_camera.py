@@ -61,6 +61,8 @@ def test_what_cannot_be_used_is_told(capsys):
     assert "the file has several cameras" in refused(capsys, "camera", "chain.yaml")
     assert "no such camera" in refused(capsys, "camera", "chain.yaml", "--name", "cam2")
     assert "does not exist" in refused(capsys, "camera", "none.yaml")
+    write()
+    assert "an inspection has one camera" in refused(capsys, "camera", "inspection.yaml", "--name", "cam0")
     Path("bad.yaml").write_text("camera: [1\n")
     assert "not valid YAML" in refused(capsys, "camera", "bad.yaml")
     assert "none" in refused(capsys, "camera", "chain.yaml", "--name", "cam1", "-o", "none/x.yaml")

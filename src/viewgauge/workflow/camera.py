@@ -33,6 +33,8 @@ def read_calibration(path: str | os.PathLike[str], name: str | None = None) -> C
     """
     if not _is_inspection(Path(path)):
         return read_camera_file(path, name)
+    if name is not None:
+        raise InspectionFileError("an inspection has one camera", file=path, got=name, hint="leave the name out")
     camera = read_inspection_file(path).camera
     focal = [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm]
     return CameraFile(
