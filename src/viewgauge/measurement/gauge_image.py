@@ -17,7 +17,16 @@ from ..geometry import Camera, PoseError, Window, invert, point_jacobian, transf
 from .edges import SPLINE_MARGIN_PX, Edge, EdgeFinder
 from .rim import find_rim, rim_points
 
-__all__ = ["EndPoint", "ExpectedGauge", "GaugeImage", "Guide", "find_guide", "gauge_windows", "measure_gauge"]
+__all__ = [
+    "EndPoint",
+    "ExpectedGauge",
+    "GaugeImage",
+    "Guide",
+    "find_guide",
+    "gauge_windows",
+    "measure_gauge",
+    "rehearsed",
+]
 
 _CROSSES = np.sin(np.radians(20))  # of the angle between an edge and the gauge
 _LIES_ALONG = np.sin(np.radians(8))
@@ -30,6 +39,7 @@ _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the
 _FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
 _SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
 _DISAGREE, _DISAGREE_PX = 3.5, 0.03  # standard deviations, and beyond, that edges may miss their common point by
+_TRUSTED_PX = 0.08  # that an edge may miss its corner by in an image without noise
 _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
 _FURTHER_PX = 2.0
 _BLUNT_PX = 1.9  # width of an edge that is out of focus: of a blur of 2.5 px
@@ -52,12 +62,24 @@ class ExpectedGauge:
         Its edges are curves, such as the rim of a hole.
     rim_axis
         ``(3,)``: normal of the circle of which it is a diameter, where the whole rim is seen; None for any other.
+    trusted
+        Of each end the edges to look for, by direction and place along it; None for all (:func:`rehearsed`).
     """
 
     points: NDArray[np.float64]
     normals: tuple[NDArray[np.float64], NDArray[np.float64]]
     bent: bool = False
     rim_axis: NDArray[np.float64] | None = None
+    trusted: tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]] | None = None
+
+    def directions(self, k: int, T_camera_part: NDArray[np.float64], camera: Camera) -> list[_Direction]:
+        """The edges to look for at end k, in the image from a pose."""
+        point = transform(T_camera_part, self.points[k])
+        found = image_directions(point, T_camera_part[:3, :3], self.normals[k], camera)
+        if self.trusted is None:
+            return found
+        kept = [tuple(s for j, s in enumerate(d.spans) if (i, j) in self.trusted[k]) for i, d in enumerate(found)]
+        return [replace(d, spans=spans) for d, spans in zip(found, kept, strict=True) if spans]
 
 
 @dataclass(frozen=True)
@@ -203,6 +225,37 @@ def gauge_windows(
     return [window for window in found if window is not None]
 
 
+def rehearsed(
+    finder: EdgeFinder, gauge: ExpectedGauge, T_part_camera: NDArray[np.float64], camera: Camera
+) -> ExpectedGauge:
+    """The gauge with those edges trusted that are where they should be in an image without noise or displacement.
+
+    What lies beside an edge in the image, such as the other edge of a narrow face, moves it by tenths of a pixel; a
+    noisy image does not tell. Where no edge that crosses the gauge at an end is right, all of them stay.
+
+    Parameters
+    ----------
+    finder
+        Of a rendered image of the part from that pose.
+    """
+    T_camera_part = invert(T_part_camera)
+    places = camera.to_pixels(camera.project(transform(T_camera_part, gauge.points)))
+    run = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
+    trusted = []
+    for k, place in enumerate(places):
+        directions = gauge.directions(k, T_camera_part, camera)
+        every = [(i, j) for i, direction in enumerate(directions) for j in range(len(direction.spans))]
+        right = []
+        for i, j in every:
+            direction = directions[i]
+            edge = finder.edge(place, direction.unit, direction.spans[j], _FURTHER_PX, gauge.bent)
+            if edge is not None and abs(edge.coefficients[0]) <= _TRUSTED_PX:
+                right.append((i, j))
+        crosses = any(_sine(directions[i].unit, run) >= _CROSSES for i, _ in right)
+        trusted.append(frozenset(right if crosses else every))
+    return replace(gauge, trusted=(trusted[0], trusted[1]))
+
+
 def find_guide(
     finder: EdgeFinder,
     gauges: Sequence[ExpectedGauge],
@@ -271,7 +324,7 @@ def _edges_near(
         point = transform(T_camera_part, gauge.points[k])
         place = camera.to_pixels(camera.project(point))
         J = _point_jacobian_px(point, camera) @ error.adjoint
-        for along in image_directions(point, T_camera_part[:3, :3], gauge.normals[k], camera):
+        for along in gauge.directions(k, T_camera_part, camera):
             for span in along.spans:
                 edge = finder.edge(place, along.unit, span, reach, gauge.bent)
                 if edge is not None:
@@ -503,8 +556,7 @@ def _end(
     if window is None or (image[window.slices] >= _SATURATED).mean() > _TOO_SATURATED:
         return EndPoint(place, None, None, "saturated")
     start, run = line.near(k, camera)
-    point = transform(T_camera_part, gauge.points[k])
-    directions = image_directions(point, T_camera_part[:3, :3], gauge.normals[k], camera)
+    directions = gauge.directions(k, T_camera_part, camera)
     crossing = [d for d in directions if _sine(d.unit, run) >= _CROSSES]
     if not crossing:
         return EndPoint(place, None, None, "no edge is known that crosses the gauge")

@@ -19,10 +19,21 @@ from ..io.atomic import write_text_atomically
 from ..io.images import read_grey, write_overlay
 from ..io.plan_reader import PlannedMeasurement, read_plan
 from ..measurement.edges import EdgeFinder
-from ..measurement.gauge_image import ExpectedGauge, GaugeImage, Guide, find_guide, gauge_windows, measure_gauge
+from ..measurement.gauge_image import (
+    ExpectedGauge,
+    GaugeImage,
+    Guide,
+    find_guide,
+    gauge_windows,
+    measure_gauge,
+    rehearsed,
+)
 from ..measurement.length_law import length_law
 from ..part import Dimension, Gauge
 from ..planning import without_allowed_error
+from ..simulation.partial_image import partial_image
+from ..simulation.renderer import Renderer
+from ..simulation.sensor import Sensor
 from .chunks import EvaluationJob, evaluator_of
 from .inspection import ExplicitSettings, Inspection
 from .progress import Progress, Silent
@@ -34,6 +45,7 @@ Verdict = Literal["pass", "fail", "undecided", "measured", "not measured"]
 Edges = Literal["sub-pixel", "whole-pixel"]
 
 _COVERAGE_FACTOR = 2.0
+_BLUR_PX, _NO_NOISE = 0.6, 5e-4  # of the image of a rehearsal
 _COLOURS = {
     "pass": (106, 160, 0),
     "fail": (0, 0, 208),
@@ -105,8 +117,15 @@ def measure(
     """
     require_edges(edges)
     planned, progress = read_plan(Path(plan)), progress or Silent()
+    poses = {p.setting: p.T_part_camera for p in planned}
+    known = _all_seen(inspection, poses)
     gauges = {(p.dimension, p.setting): _expected(p, inspection) for p in planned}
-    known = _all_seen(inspection, {p.setting: p.T_part_camera for p in planned})
+    with progress.stage("Looking at the part from the planned settings"):
+        for setting, T in poses.items():
+            keys = [key for key in gauges if key[1] == setting]
+            sure = _rehearsed([*(gauges[key] for key in keys), *known[setting]], T, inspection)
+            gauges.update(zip(keys, sure, strict=False))
+            known[setting] = sure[len(keys) :]
     files = _images(Path(images), sorted({p.setting for p in planned}))
     place = None if output is None else make_folder(output)
     found: list[Measured] = []
@@ -167,6 +186,18 @@ def _all_seen(inspection: Inspection, settings: Mapping[str, NDArray[np.float64]
     chosen = ExplicitSettings(tuple(settings), np.array(list(settings.values())))
     evaluation = EvaluationJob.of(inspection, dimensions, chosen)
     return {name: list(seen_gauges(evaluation, T).values()) for name, T in settings.items()}
+
+
+def _rehearsed(
+    gauges: Sequence[ExpectedGauge], T_part_camera: NDArray[np.float64], inspection: Inspection
+) -> list[ExpectedGauge]:
+    """Gauges with the edges that are where they should be in a rendered image without noise."""
+    camera, mesh = inspection.camera, inspection.part.mesh
+    windows = [window for g in gauges for window in gauge_windows(g, T_part_camera, camera, inspection.head)]
+    sensor, renderer = Sensor(blur_px=_BLUR_PX, bits=12), Renderer(mesh.vertices, mesh.triangles)
+    image = partial_image(renderer, sensor, T_part_camera, camera, windows, np.random.default_rng(0)) / 4095
+    finder = EdgeFinder(image, _NO_NOISE, windows)
+    return [rehearsed(finder, gauge, T_part_camera, camera) for gauge in gauges]
 
 
 def _images(folder: Path, settings: Sequence[str]) -> list[tuple[Path, str]]:
