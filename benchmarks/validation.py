@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/validation.py FOLDER [--looks N] [--settings N] [--part images|quantization|paper|robot]
 
-N looks of each of the settings in the first run, half as many in the others (100 and 20 by default). Writes Markdown
+N looks of each of the settings in the first run, a third as many in the others (100 and 20 by default). Writes Markdown
 and pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study that was
 stopped goes on.
 
@@ -41,8 +41,8 @@ BLOCK = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "in
 CHORD_ERROR_MM = 0.001
 RUNS: dict[str, dict[str, Any]] = {
     "3.45 µm, noise 0.5 %": {"noise": 0.005},
-    "3.45 µm, noise 1 %": {"noise": 0.01, "share": 0.5},
-    "6.9 µm, noise 0.2 %": {"noise": 0.002, "pixels": 2, "share": 0.5},
+    "3.45 µm, noise 1 %": {"noise": 0.01, "share": 0.3},
+    "6.9 µm, noise 0.2 %": {"noise": 0.002, "pixels": 2, "share": 0.3},
 }
 
 
