@@ -30,7 +30,9 @@ import numpy as np
 import viewgauge as vg
 from viewgauge.geometry import Window, invert, transform
 from viewgauge.measurement.edges import EdgeFinder
-from viewgauge.measurement.gauge_image import ExpectedGauge, find_guide, gauge_windows, measure_gauge
+from viewgauge.measurement.expected_gauge import ExpectedGauge
+from viewgauge.measurement.gauge_image import gauge_windows, measure_gauge
+from viewgauge.measurement.guide import find_guide
 from viewgauge.simulation import Estimate
 from viewgauge.simulation.displaced_poses import displaced_poses
 from viewgauge.simulation.partial_image import partial_image

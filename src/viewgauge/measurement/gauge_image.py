@@ -6,80 +6,28 @@ Edges are looked for in the pixels; what is found is put where a pinhole camera 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..geometry import Camera, PoseError, Window, invert, point_jacobian, transform
 from .edges import SPLINE_MARGIN_PX, Edge, EdgeFinder
+from .expected_gauge import CLEAR_OF_CORNER_PX, HALF_PX, ExpectedGauge, image_directions
+from .guide import AGREE_PX, FURTHER_PX, Guide, reach_px
 from .rim import find_rim, rim_points
 
-__all__ = [
-    "EndPoint",
-    "ExpectedGauge",
-    "GaugeImage",
-    "Guide",
-    "find_guide",
-    "gauge_windows",
-    "measure_gauge",
-    "rehearsed",
-]
+__all__ = ["EndPoint", "GaugeImage", "gauge_windows", "measure_gauge", "rehearsed"]
 
 _CROSSES = np.sin(np.radians(20))  # of the angle between an edge and the gauge
 _LIES_ALONG = np.sin(np.radians(8))
-_HALF_PX, _CLEAR_OF_CORNER_PX = 9.0, 5.0
-_THROUGH = np.arange(-_HALF_PX, _HALF_PX + 1)
-_AFTER_CORNER = np.arange(_CLEAR_OF_CORNER_PX, 2 * _HALF_PX + 1)
-_AT_CORNER = (_AFTER_CORNER, -_AFTER_CORNER)
-_ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or another edge is near
 _PIECES, _PIECE_PX = 6, 5.0  # of an edge along which a gauge lies, and half the length of each
-_FEWEST_EDGES, _FEWEST_AGREE, _AGREE_PX = 6, 0.4, 1.5
-_SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
 _DISAGREE, _DISAGREE_PX = 3.5, 0.03  # standard deviations, and beyond, that edges may miss their common point by
 _TRUSTED_PX = 0.08  # that an edge may miss its corner by in an image without noise
-_SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
-_FURTHER_PX = 2.0
 _BLUNT_PX = 1.9  # width of an edge that is out of focus: of a blur of 2.5 px
 _CURVATURES = 0.35  # relative difference
 _SATURATED = 0.995
 _TOO_SATURATED = 0.02  # share of the pixels about an end
-
-
-@dataclass(frozen=True)
-class ExpectedGauge:
-    """A gauge, part frame.
-
-    Parameters
-    ----------
-    points
-        ``(2, 3)`` mm.
-    normals
-        Of the faces that meet at each, ``(k, 3)``.
-    bent
-        Its edges are curves, such as the rim of a hole.
-    rim_axis
-        ``(3,)``: normal of the circle of which it is a diameter, where the whole rim is seen; None for any other.
-    trusted
-        Of each end the edges to look for, by direction and place along it; None for all (:func:`rehearsed`).
-    """
-
-    points: NDArray[np.float64]
-    normals: tuple[NDArray[np.float64], NDArray[np.float64]]
-    bent: bool = False
-    rim_axis: NDArray[np.float64] | None = None
-    trusted: tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]] | None = None
-
-    def directions(self, k: int, T_camera_part: NDArray[np.float64], camera: Camera) -> list[_Direction]:
-        """The edges to look for at end k, in the image from a pose."""
-        point = transform(T_camera_part, self.points[k])
-        found = image_directions(point, T_camera_part[:3, :3], self.normals[k], camera)
-        if self.trusted is None:
-            return found
-        kept = [tuple(s for j, s in enumerate(d.spans) if (i, j) in self.trusted[k]) for i, d in enumerate(found)]
-        return [replace(d, spans=spans) for d, spans in zip(found, kept, strict=True) if spans]
 
 
 @dataclass(frozen=True)
@@ -134,23 +82,6 @@ class GaugeImage:
         if start == end:
             return start
         return "; ".join(f"{name}: {why}" for name, why in (("start", start), ("end", end)) if why)
-
-
-@dataclass(frozen=True)
-class Guide:
-    """From about where an image was taken.
-
-    Parameters
-    ----------
-    reach_px
-        How far off edges may still be.
-    covariance
-        ``(6, 6)`` of the pose, as a displacement of the scene in the camera frame, mm and rad.
-    """
-
-    T_part_camera: NDArray[np.float64]
-    reach_px: float
-    covariance: NDArray[np.float64]
 
 
 def measure_gauge(
@@ -212,13 +143,13 @@ def gauge_windows(
     T_camera_part = invert(T_part_camera)
     points = transform(T_camera_part, gauge.points)
     places = camera.to_pixels(camera.project(points))
-    reach = max(_reach_px(point, camera, error.camera_covariance) for point in points)
-    margin = reach + _AGREE_PX * 3 + _FURTHER_PX + 4 + SPLINE_MARGIN_PX
+    reach = max(reach_px(point, camera, error.camera_covariance) for point in points)
+    margin = reach + AGREE_PX * 3 + FURTHER_PX + 4 + SPLINE_MARGIN_PX
     if gauge.rim_axis is not None:
         rim = rim_points(points, T_camera_part[:3, :3] @ gauge.rim_axis, 90)
-        found = [Window.around(camera.to_pixels(camera.project(rim)), margin + 2 * _HALF_PX, camera)]
+        found = [Window.around(camera.to_pixels(camera.project(rim)), margin + 2 * HALF_PX, camera)]
     else:
-        found = [Window.around(place, margin + 2 * _HALF_PX, camera) for place in places]
+        found = [Window.around(place, margin + 2 * HALF_PX, camera) for place in places]
         if _lies_along(gauge, T_camera_part, camera):
             middles = camera.to_pixels(_pieces(camera, points))
             found += [Window.around(middle, margin + _PIECE_PX, camera) for middle in middles]
@@ -248,165 +179,12 @@ def rehearsed(
         right = []
         for i, j in every:
             direction = directions[i]
-            edge = finder.edge(place, direction.unit, direction.spans[j], _FURTHER_PX, gauge.bent)
+            edge = finder.edge(place, direction.unit, direction.spans[j], FURTHER_PX, gauge.bent)
             if edge is not None and abs(edge.coefficients[0]) <= _TRUSTED_PX:
                 right.append((i, j))
         crosses = any(_sine(directions[i].unit, run) >= _CROSSES for i, _ in right)
         trusted.append(frozenset(right if crosses else every))
     return replace(gauge, trusted=(trusted[0], trusted[1]))
-
-
-def find_guide(
-    finder: EdgeFinder,
-    gauges: Sequence[ExpectedGauge],
-    T_part_camera: NDArray[np.float64],
-    camera: Camera,
-    error: PoseError,
-) -> Guide | None:
-    """From about where an image was taken, by all edges at the ends of gauges; None where they do not agree.
-
-    The pose error of the greatest posterior density for the head's normal law and edges that are off by their noise or
-    are others altogether (Cauchy). Of a part that shows too few edges to tell whether they agree, the pose by those
-    that are found, looked for once more from there.
-    """
-    if not gauges:
-        return None
-    points = [transform(invert(T_part_camera), point) for gauge in gauges for point in gauge.points]
-    reaches = [_reach_px(point, camera, error.camera_covariance) for point in points]
-    found = _edges_near(finder, gauges, T_part_camera, camera, error, reaches)
-    looked_for = sum(
-        len(image_directions(point, T_part_camera[:3, :3].T, normals, camera))
-        for point, normals in zip(points, [n for gauge in gauges for n in gauge.normals], strict=True)
-    )
-    to_camera = error.adjoint @ error.factor
-    if looked_for >= 2 * _FEWEST_EDGES:
-        if len(found.offset) < _FEWEST_EDGES:
-            return None
-        twist, posterior = _pose_of(found, error)
-        left = np.abs(found.offset - found.rows @ twist)
-        agree = left < _AGREE_PX
-        if agree.sum() < max(_FEWEST_EDGES, _FEWEST_AGREE * len(left)):
-            return None
-        reach = float(3 * np.median(left[agree]) + _FURTHER_PX)
-    else:
-        twist, posterior = _pose_of(found, error)
-        spread = to_camera @ posterior @ to_camera.T
-        nearer = [_reach_px(point, camera, spread) for point in points]
-        again = _edges_near(finder, gauges, _moved(T_part_camera, twist, error), camera, error, nearer)
-        twist, posterior = _pose_of(replace(again, offset=again.offset + again.rows @ twist), error)
-        spread = to_camera @ posterior @ to_camera.T
-        reach = max(_reach_px(point, camera, spread) for point in points)
-    return Guide(_moved(T_part_camera, twist, error), reach, to_camera @ posterior @ to_camera.T)
-
-
-@dataclass(frozen=True)
-class _Found:
-    """Of n edges how far off they are, px ``(n,)``, with variance, and by how much for each unit of pose ``(n, 6)``."""
-
-    offset: NDArray[np.float64]
-    variance: NDArray[np.float64]
-    rows: NDArray[np.float64]
-
-
-def _edges_near(
-    finder: EdgeFinder,
-    gauges: Sequence[ExpectedGauge],
-    T_part_camera: NDArray[np.float64],
-    camera: Camera,
-    error: PoseError,
-    reaches: Sequence[float],
-) -> _Found:
-    """Edges at the ends of gauges, looked for within the reach of each end of where a pose has them."""
-    T_camera_part = invert(T_part_camera)
-    offsets, variances, rows = [], [], []
-    ends = [(gauge, k) for gauge in gauges for k in range(2)]
-    for (gauge, k), reach in zip(ends, reaches, strict=True):
-        point = transform(T_camera_part, gauge.points[k])
-        place = camera.to_pixels(camera.project(point))
-        J = _point_jacobian_px(point, camera) @ error.adjoint
-        for along in gauge.directions(k, T_camera_part, camera):
-            for span in along.spans:
-                edge = finder.edge(place, along.unit, span, reach, gauge.bent)
-                if edge is not None:
-                    middle = (span[0] + span[-1]) / 2
-                    a, b, c = edge.coefficients
-                    offsets.append(a + b * middle + c * middle**2)
-                    variances.append(edge.variance_at(place + middle * along.unit))
-                    rows.append(edge.across @ J)
-                    if along.through:
-                        break
-    return _Found(np.array(offsets), np.array(variances), np.array(rows).reshape(-1, 6))
-
-
-def _pose_of(found: _Found, error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The pose error ``(6,)``, head frame, and its covariance ``(6, 6)`` in units of the head's factor."""
-    A, y, variance, factor = found.rows, found.offset, found.variance, error.factor
-    scaled, twist = A @ factor, np.zeros(6)
-    posterior: NDArray[np.float64] = np.eye(6, dtype=np.float64)
-    for scale in _SCALES:  # of standard deviations, from which on an edge counts as another
-        weight = 1 / (variance * (1 + (y - A @ twist) ** 2 / (scale**2 * variance)))
-        posterior = np.asarray(np.linalg.inv(scaled.T @ (weight[:, None] * scaled) + np.eye(6)))
-        twist = factor @ (posterior @ (scaled.T @ (weight * y)))
-    return twist, posterior
-
-
-def _moved(T_part_camera: NDArray[np.float64], twist: NDArray[np.float64], error: PoseError) -> NDArray[np.float64]:
-    """``T_part_camera`` of a camera whose head has a pose error."""
-    displacement = np.eye(4)
-    displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
-    assert error.T_camera_head is not None  # set by PoseError
-    seen = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ invert(T_part_camera)
-    return np.asarray(invert(seen))
-
-
-def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
-    """``(2, 6)`` px of a displacement of a point in the camera frame."""
-    return np.asarray(camera.pixel_jacobian(camera.project(point)) @ point_jacobian(point, camera.focal_length_mm))
-
-
-def _reach_px(point: NDArray[np.float64], camera: Camera, covariance: NDArray[np.float64]) -> float:
-    """How far an end may be from where it is expected, for a covariance ``(6, 6)`` of the pose, camera frame."""
-    J = _point_jacobian_px(point, camera)
-    spread = J @ covariance @ J.T
-    return float(_SIGMAS * np.sqrt(np.linalg.eigvalsh(spread)[-1]) + _FURTHER_PX)
-
-
-def image_directions(
-    point: NDArray[np.float64], R_camera_part: NDArray[np.float64], normals: NDArray[np.float64], camera: Camera
-) -> list[_Direction]:
-    """The edges in which the faces at a point meet, two and two, as directions in the image.
-
-    Where only two faces meet the edge goes through the point. At a corner it is on one side alone: of a convex corner
-    on that side from which the other faces fall away, which is tried first.
-    """
-    found = []
-    turned = normals @ R_camera_part.T
-    for i, j in itertools.combinations(range(len(turned)), 2):
-        edge = np.cross(turned[i], turned[j])
-        if np.linalg.norm(edge) < 1e-6:
-            continue
-        others = [float(edge @ turned[k]) for k in range(len(turned)) if k not in (i, j)]
-        leaning = next((value for value in others if abs(value) > 1e-6), 0.0)
-        edge *= -np.sign(leaning) if leaning else 1.0
-        step = 1e-3 * edge / np.linalg.norm(edge)
-        image = camera.to_pixels(camera.project(np.stack([point - step, point + step])))
-        run = image[1] - image[0]
-        if np.linalg.norm(run) > 0:
-            spans = _AT_CORNER if leaning else _ON_EDGE
-            found.append(_Direction(run / np.linalg.norm(run), spans, through=not leaning))
-    return found
-
-
-@dataclass(frozen=True)
-class _Direction:
-    """Of an edge in the image, ``(2,)`` unit, and where along it to look, px, in this order.
-
-    ``through``: it goes on to both sides of the point.
-    """
-
-    unit: NDArray[np.float64]
-    spans: tuple[NDArray[np.float64], ...]
-    through: bool
 
 
 @dataclass(frozen=True)
@@ -476,7 +254,7 @@ def _lies_along(gauge: ExpectedGauge, T_camera_part: NDArray[np.float64], camera
     points = transform(T_camera_part, gauge.points)
     places = camera.to_pixels(camera.project(points))
     length = float(np.linalg.norm(places[1] - places[0]))
-    if length < 2 * (2 * _CLEAR_OF_CORNER_PX + _PIECE_PX):
+    if length < 2 * (2 * CLEAR_OF_CORNER_PX + _PIECE_PX):
         return False
     line = _Line(camera.project(points), np.zeros((2, 2)))
     return all(
@@ -492,7 +270,7 @@ def _pieces(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """``(k, 2)`` mm on the ideal image: places along a gauge's image, clear of its ends."""
     start, end = camera.project(points)
     length = float(np.linalg.norm(np.diff(camera.to_pixels(np.stack([start, end])), axis=0)))
-    clear = (2 * _CLEAR_OF_CORNER_PX + _PIECE_PX) / length
+    clear = (2 * CLEAR_OF_CORNER_PX + _PIECE_PX) / length
     return np.asarray(start + np.linspace(clear, 1 - clear, _PIECES)[:, None] * (end - start))
 
 
@@ -552,7 +330,7 @@ def _end(
     rows, columns = image.shape
     if not (reach <= place[0] <= columns - 1 - reach and reach <= place[1] <= rows - 1 - reach):
         return EndPoint(place, None, None, "too near the image's border")
-    window = Window.around(place, reach + _HALF_PX, camera)
+    window = Window.around(place, reach + HALF_PX, camera)
     if window is None or (image[window.slices] >= _SATURATED).mean() > _TOO_SATURATED:
         return EndPoint(place, None, None, "saturated")
     start, run = line.near(k, camera)

@@ -19,15 +19,9 @@ from ..io.atomic import write_text_atomically
 from ..io.images import read_grey, write_overlay
 from ..io.plan_reader import PlannedMeasurement, read_plan
 from ..measurement.edges import EdgeFinder
-from ..measurement.gauge_image import (
-    ExpectedGauge,
-    GaugeImage,
-    Guide,
-    find_guide,
-    gauge_windows,
-    measure_gauge,
-    rehearsed,
-)
+from ..measurement.expected_gauge import ExpectedGauge
+from ..measurement.gauge_image import GaugeImage, gauge_windows, measure_gauge, rehearsed
+from ..measurement.guide import Guide, find_guide
 from ..measurement.length_law import length_law
 from ..part import Dimension, Gauge
 from ..planning import without_allowed_error

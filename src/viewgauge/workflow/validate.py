@@ -22,7 +22,9 @@ from ..exceptions import InputError, NoCandidateError
 from ..geometry import Camera, PoseError, invert, transform
 from ..io.atomic import write_text_atomically
 from ..measurement.edges import EdgeFinder
-from ..measurement.gauge_image import ExpectedGauge, GaugeImage, find_guide, gauge_windows, measure_gauge
+from ..measurement.expected_gauge import ExpectedGauge
+from ..measurement.gauge_image import GaugeImage, gauge_windows, measure_gauge
+from ..measurement.guide import find_guide
 from ..measurement.length_law import length_law
 from ..planning import without_allowed_error
 from ..simulation.displaced_poses import displaced_poses
