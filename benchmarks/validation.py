@@ -125,7 +125,7 @@ def quantization(folder: Path, settings: int, looks: int) -> list[str]:  # noqa:
     lines = ["| the ends move apart by | spread, least and most over lengths | by the formula |", "| --- | --- | --- |"]
     fractions = np.linspace(0, 1, 41)
     for sigma in (0.0, 0.1, 0.2, 0.3, 0.5):
-        ratios = np.array([spread_of_rounding(f, sigma, 0.0) for f in fractions]) / np.sqrt(1 / 6)
+        ratios = np.array([spread_of_rounding(f, sigma) for f in fractions]) / np.sqrt(1 / 6)
         told = f"{sigma:g} px"
         (curve,) = left.plot(fractions, ratios, "o", markersize=3, label=told)
         formula = np.sqrt(np.maximum(rounding_variance(fractions, sigma), 0) * 6)
@@ -149,17 +149,15 @@ def quantization(folder: Path, settings: int, looks: int) -> list[str]:  # noqa:
     return lines + [f"| {angle}° | {value:.3f} px |" for angle, value in at.items()]
 
 
-def spread_of_rounding(fraction: float, sigma: float, angle_deg: float, draws: int = 200_000) -> float:
-    """Standard deviation, px, of a length of 120 px and a fraction whose ends are put to the corners of pixels.
+def spread_of_rounding(fraction: float, sigma: float, draws: int = 200_000) -> float:
+    """Standard deviation, px, of a length along the rows, 120 px and a fraction, whose ends are put to the grid.
 
     The head shifts both by pixels, and moves them apart by sigma.
     """
     rng = np.random.default_rng(1998)
-    direction = np.array([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
-    start = 20 * rng.standard_normal((draws, 2))
+    start = 20 * rng.standard_normal(draws)
     true = 120 + fraction + sigma * rng.standard_normal(draws)
-    ends = np.floor(start), np.floor(start + true[:, None] * direction)
-    return float((np.linalg.norm(ends[1] - ends[0], axis=1) - true).std())
+    return float((np.floor(start + true) - np.floor(start) - true).std())
 
 
 def rounding_variance(fraction: np.ndarray, sigma: float) -> np.ndarray:
@@ -178,7 +176,7 @@ def edge_error(angle_deg: float, phases: int = 64) -> float:
     v, u = np.mgrid[0:64, 0:64]
     found = []
     for phase in (np.arange(phases) + 0.5) / phases:
-        offset = (phase - 0.5) * 1.0
+        offset = phase - 0.5
         inside = (u - 32) * across[0] + (v - 32) * across[1] > offset
         finder = EdgeFinder(inside.astype(float), 0.01)
         t = np.arange(-9.0, 10.0)

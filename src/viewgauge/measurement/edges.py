@@ -49,8 +49,6 @@ class Edge:
         a, b, c.
     covariance
         ``(3, 3)`` of them, by the image's noise and :data:`BIAS_PX`.
-    residual_px
-        Root mean square of the profiles about the fit.
     width_px
         Standard deviation of the blur, the pixel's own included; of wide blurs less.
     contrast
@@ -61,7 +59,6 @@ class Edge:
     along: NDArray[np.float64]
     coefficients: NDArray[np.float64]
     covariance: NDArray[np.float64]
-    residual_px: float
     width_px: float
     contrast: float
 
@@ -292,13 +289,12 @@ class EdgeFinder:
             if np.isnan(place[0]):
                 return None
             guess = np.full(len(t), place[0])
-        _, width = self.step(places + guess[:, None] * across, across)
+        width = self.width_px(places + guess[:, None] * across, across)
         if not math.isfinite(width):
             return None
         sharp = self.refined(places, across, guess, width)
-        least = _AGREE * len(t)
         kept = _agreeing(t, sharp.offset, np.isfinite(sharp.offset), order)
-        if kept is None or kept.sum() < least or sharp.crowded(kept):
+        if kept is None or sharp.crowded(kept):
             return None
         t, offset, across = t[kept], sharp.offset[kept], across[kept]
         fit = np.polyfit(t, offset, order)
@@ -323,7 +319,7 @@ class EdgeFinder:
         covariance[0, 0] += BIAS_PX**2
         shape = np.zeros((3, 3))
         shape[: len(coefficients), : len(coefficients)] = covariance
-        return Edge(point, along, np.array([*coefficients, 0.0])[:3], shape, rms, width, contrast)
+        return Edge(point, along, np.array([*coefficients, 0.0])[:3], shape, width, contrast)
 
     def _on_pixels(
         self,
@@ -414,8 +410,8 @@ class EdgeFinder:
             steep[k] = slope[k, best]
         return offset, steep
 
-    def step(self, places: NDArray[np.float64], across: NDArray[np.float64]) -> tuple[float, float]:
-        """Contrast and width of an edge that runs through places ``(k, 2)`` px, of all profiles laid over each other.
+    def width_px(self, places: NDArray[np.float64], across: NDArray[np.float64]) -> float:
+        """Width of an edge that runs through places ``(k, 2)`` px, of all profiles laid over each other.
 
         Parameters
         ----------
@@ -428,7 +424,7 @@ class EdgeFinder:
         n = len(beside)
         side = abs(float(grey[n : 2 * n].mean() - grey[:n].mean()))
         steepest = float(np.abs(np.diff(grey[2 * n :])).max()) / _FINE_STEP_PX
-        return side, side / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
+        return side / (steepest * np.sqrt(2 * np.pi)) if steepest > 0 else np.inf
 
     def refined(
         self, places: NDArray[np.float64], across: NDArray[np.float64], offset: NDArray[np.float64], width_px: float

@@ -133,7 +133,7 @@ def _width(
     """Of the clearer half of an edge."""
     clear = np.abs(slope) >= np.median(np.abs(slope))
     towards = across * np.sign(slope)[:, None]  # so that all profiles rise
-    return finder.step(edge_px[clear], towards[clear])[1]
+    return finder.width_px(edge_px[clear], towards[clear])
 
 
 def _image(points: NDArray[np.float64], axis: NDArray[np.float64], camera: Camera, count: int) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from scipy.special import ndtri
 from ..geometry import Camera, Lens
 from ..geometry.lens import distort_each
 
-__all__ = ["CameraDraws", "end_deviation_px", "measured_images"]
+__all__ = ["CameraDraws", "covariance_factor", "end_deviation_px", "measured_images"]
 
 _PINHOLE = Lens("radial-tangential", (0.0, 0.0, 0.0, 0.0))
 
@@ -92,7 +92,7 @@ def measured_images(
     centre = np.broadcast_to(np.asarray(camera.principal_point), (n, 2))
     parameters = np.broadcast_to(lens.parameters, (n, 13))
     if camera.intrinsics_covariance is not None:
-        deviations = draws.intrinsics @ _factor(np.array(camera.intrinsics_covariance)).T
+        deviations = draws.intrinsics @ covariance_factor(np.array(camera.intrinsics_covariance)).T
         focal, centre = focal + deviations[:, :2], centre + deviations[:, 2:4]
         parameters = parameters.copy()
         parameters[:, 1 : 1 + deviations.shape[1] - 4] += deviations[:, 4:]
@@ -170,7 +170,8 @@ def _diameter(conic: NDArray[np.float64], ends: NDArray[np.float64]) -> float:
     return float(2 * np.sqrt(level / (a * u * u + b * u * v + c * v * v)))
 
 
-def _factor(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+def covariance_factor(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(n, n)``: what unit normals are multiplied by to have a covariance, whatever the units of each."""
     deviation = np.sqrt(covariance.diagonal())
     scale = np.where(deviation > 0, deviation, 1.0)
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Camera, Lens
+from .camera_draws import covariance_factor
 
 __all__ = ["true_camera"]
 
@@ -15,9 +16,8 @@ def true_camera(camera: Camera, rng: np.random.Generator) -> Camera:
     """The camera with intrinsics drawn from their covariance; itself, exactly known, where it states none."""
     if camera.intrinsics_covariance is None:
         return camera
-    covariance = np.array(camera.intrinsics_covariance)
-    values, vectors = np.linalg.eigh(covariance)
-    drawn = vectors @ (np.sqrt(np.maximum(values, 0.0)) * rng.standard_normal(len(values)))
+    factor = covariance_factor(np.array(camera.intrinsics_covariance))
+    drawn = factor @ rng.standard_normal(len(factor))
     focal = camera.focal_length_mm / np.asarray(camera.pixel_pitch_mm) + drawn[:2]
     pitch_u, pitch_v = camera.focal_length_mm / focal
     centre_u, centre_v = np.asarray(camera.principal_point) + drawn[2:4]
