@@ -5,6 +5,7 @@ from .capability_requirement import CapabilityRequirement
 from .conformance_requirement import ConformanceRequirement, Process
 from .evaluator import Accepted, Evaluator, TableBlock
 from .gauge_figures import GaugeFigures, gauge_figures, spread_mm
+from .gauge_laws import GaugeLaws
 from .looks import Looks, averaged_success_probability
 from .requirement import Requirement
 from .segment import SegmentImage, image_segment, success_probability
@@ -20,6 +21,7 @@ __all__ = [
     "ConformanceRequirement",
     "Evaluator",
     "GaugeFigures",
+    "GaugeLaws",
     "Looks",
     "Process",
     "Requirement",

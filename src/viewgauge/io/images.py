@@ -1,7 +1,8 @@
-"""Images as PNG files, 8 or 16 bit grey (OpenCV)."""
+"""Images as PNG files, 8 or 16 bit grey (OpenCV), and small ones for pages."""
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Sequence
 
@@ -12,7 +13,7 @@ from ..exceptions import InputError
 from ..measurement.board import opencv
 from .atomic import atomic_path
 
-__all__ = ["read_grey", "write_overlay", "write_png"]
+__all__ = ["encoded_png", "read_grey", "write_overlay", "write_png"]
 
 
 def write_png(path: str | os.PathLike[str], grey: NDArray[np.uint16], bits: int) -> None:
@@ -22,6 +23,15 @@ def write_png(path: str | os.PathLike[str], grey: NDArray[np.uint16], bits: int)
         raise InputError("the image cannot be encoded", file=path, got=f"shape {grey.shape}")
     with atomic_path(path) as temporary:
         temporary.write_bytes(encoded.tobytes())
+
+
+def encoded_png(grey: NDArray[np.uint8]) -> bytes:
+    """A small 8-bit image ``(rows, columns)`` as the content of a PNG file, for a page."""
+    from PIL import Image  # here: slow to import
+
+    content = io.BytesIO()
+    Image.fromarray(grey).save(content, "png", optimize=True)
+    return content.getvalue()
 
 
 def read_grey(path: str | os.PathLike[str]) -> NDArray[np.float64]:

@@ -9,11 +9,11 @@ from string import Template
 from typing import Any
 
 from ..evaluation.requirement import Requirement
-from ..planning.improvement import CameraChoice, Change, Improvement, Specification
-from ..planning.knobs import KNOBS
+from ..planning.improvement import CameraChoice, Improvement, Specification
+from .changes import changes_table
 from .page import resource, script_data
 from .tables import fact_table, markup_table
-from .wording import DASH, element, probability, requirement_text, rounded
+from .wording import DASH, element, requirement_text, rounded
 
 __all__ = ["render_improvement", "render_specification"]
 
@@ -38,7 +38,7 @@ def render_improvement(
         f"may go. By {improvement.settings:,} settings that were tried. Hatched: no such change will do; the "
         "probability is what is reached without that error."
     )
-    body += element("h2", "What would have to change") + element("p", hint, class_="hint") + _changes_table(improvement)
+    body += element("h2", "What would have to change") + element("p", hint, class_="hint") + changes_table(improvement)
     if improvement.left_out:
         names = ", ".join(improvement.left_out)
         body += element("p", f"No camera or head error is in the way of {names}: they are not seen.", class_="hint")
@@ -143,42 +143,6 @@ def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
         {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 1, "y1": 1, "line": {"color": "#D00000", "width": 2}}
     ]
     return {"data": data, "layout": layout}
-
-
-def _changes_table(improvement: Improvement) -> str:
-    knobs = list(improvement.today)
-    head = [("Dimension", ""), ("Today", "num")]
-    head += [(f"{name.replace('_', ' ').capitalize()} / {KNOBS[name].unit}", "num") for name in knobs]
-    today = [element("th", "Today", scope="row"), element("td")]
-    today += [element("td", rounded(improvement.today[name]), class_="num") for name in knobs]
-    rows = [element("tr", markup="".join(today))]
-    for d in improvement.dimensions:
-        cells = [element("th", d.id, scope="row"), element("td", probability(d.probability), class_="num")]
-        cells += [_change_cell(d.changes[name]) for name in knobs]
-        rows.append(element("tr", markup="".join(cells), class_="met" if d.met else "unmet"))
-    if improvement.part:
-        cells = [element("th", "The part", scope="row"), element("td")]
-        cells += [_change_cell(improvement.part[name]) for name in knobs]
-        rows.append(element("tr", markup="".join(cells), class_="total"))
-    return markup_table(head, rows)
-
-
-def _change_cell(change: Change) -> str:
-    """A limit rounded to the side that keeps it; with what limits it for the pointer."""
-    by = f"limited by {', '.join(change.limited_by)}" if change.limited_by else ""
-    if change.interval is None:
-        text = DASH if change.best_probability is None else f"({probability(change.best_probability)})"
-        return element("td", text, class_="num hopeless", title=by)
-    low, high = change.interval
-    if change.unlimited:
-        text = "any" if not low else f"> {rounded(low)}"
-    elif low == 0 and high is not None:
-        text = f"≤ {rounded(high)}"
-    elif high is None:
-        text = DASH if low is None else f"≥ {rounded(low, up=True)}"
-    else:
-        text = f"≤ {rounded(high)}" if low is None else f"{rounded(low, up=True)} to {rounded(high)}"
-    return element("td", text, class_="num", title=by)
 
 
 def _choice_table(specification: Specification) -> str:

@@ -4,38 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..evaluation.budget import GROUPS, SOURCES, ErrorBudget
+from ..evaluation.budget import SOURCES, ErrorBudget
 from ..evaluation.gauge_figures import GaugeFigures
 from ..planning.result import Plan, PlannedDimension
+from .budget_parts import WORDS, shares_of, shown_parts
 from .tables import STATUS_WORDS, markup_table
 from .wording import DASH, element, length, probability
 
 __all__ = ["budget_section", "figures_section", "refinement_section"]
 
-_PARTS = {
-    "translation": GROUPS["translation"],
-    "rotation": GROUPS["rotation"],
-    "u": (6,),
-    "v": (7,),
-    "edges": (8, 9),
-    "calibration": (10,),
-}
-_WORDS = {
-    "translation": "translation",
-    "rotation": "rotation",
-    "u": "pixels along u",
-    "v": "pixels along v",
-    "edges": "edge location",
-    "calibration": "calibration",
-}
-_OPTIONAL = ("u", "v", "edges", "calibration")  # shown where the camera has them
 _STEPS = {"sampled": "Candidates", "reach": "Reaching more", "surer": "Surer", "fewer": "Fewer"}
 
 
-def _section(heading: str, hint: str, content: str) -> str:
-    return element(
-        "section", markup=element("h2", heading) + element("p", hint, class_="hint") + content if content else ""
-    )
+def _section(name: str, heading: str, hint: str, content: str) -> str:
+    return element("section", markup=element("h2", heading, id=name) + element("p", hint, class_="hint") + content)
 
 
 def refinement_section(plan: Plan) -> str:
@@ -51,21 +33,21 @@ def refinement_section(plan: Plan) -> str:
     hint = "Settings moved and replaced over all poses that the region allows."
     if not plan.refinement.finished:
         hint += " It was stopped: more time may find better."
-    return _section("Refinement", hint, markup_table(head, rows))
+    return _section("refinement", "Refinement", hint, markup_table(head, rows))
 
 
 def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
     """What causes the uncertainty of each dimension, and how sure it would be without."""
     if not budgets:
         return ""
-    names = [n for n in _PARTS if n not in _OPTIONAL or any(b.share[list(_PARTS[n])].any() for b in budgets.values())]
+    names = shown_parts(budgets.values())
     rows = [_budget_row(d, budgets[d.id], names) for d in _least_sure_first(plan) if d.id in budgets]
     pixels_alone = not {"edges", "calibration"} & set(names)
     head = [
         ("Dimension", ""),
         ("u / mm", "num"),
         ("Shares of the variance", "share"),
-        *((_WORDS[name].capitalize(), "num") for name in names),
+        *((WORDS[name].capitalize(), "num") for name in names),
         ("Probability", "num"),
         ("without pixels" if pixels_alone else "without camera errors", "num"),
         ("without translation", "num"),
@@ -75,16 +57,17 @@ def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
         "First order, at the setting that measures the dimension (at the best one tried where none does). A negative "
         "share: errors that offset others. A cell's pointer text has the single sources."
     )
-    return _section("Error budget", hint, _legend(names) + markup_table(head, rows))
+    return _section("budget", "Error budget", hint, _legend(names) + markup_table(head, rows))
 
 
 def _legend(names: Sequence[str]) -> str:
-    entries = (element("span", class_=f"swatch part-{name}") + element("span", _WORDS[name]) for name in names)
+    entries = (element("span", class_=f"swatch part-{name}") + element("span", WORDS[name]) for name in names)
     return element("p", markup=" &ensp; ".join(entries), class_="hint")
 
 
 def _budget_row(dimension: PlannedDimension, budget: ErrorBudget, names: Sequence[str]) -> str:
-    shares = {name: float(budget.share[list(_PARTS[name])].sum()) for name in names}
+    of_all = shares_of(budget)
+    shares = {name: of_all[name] for name in names}
     single = ", ".join(f"{name} {budget.share[k]:.1%}" for k, name in enumerate(SOURCES))
     without = budget.group_probability_without
     cells = [
@@ -134,7 +117,7 @@ def figures_section(plan: Plan, figures: Mapping[str, GaugeFigures]) -> str:
         ]
         rows.append(element("tr", markup="".join(cells), class_=dimension.status))
     hint = "Predicted from the law of the measuring error: its spread over the tolerance zone, and what follows."
-    return _section("As a gauge", hint, markup_table(head, rows))
+    return _section("gauge", "As a gauge", hint, markup_table(head, rows))
 
 
 def _figure(name: str, value: float | None) -> str:

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
 from string import Template
 from typing import Any
 
-from ..evaluation.budget import ErrorBudget
-from ..evaluation.gauge_figures import GaugeFigures
 from ..evaluation.requirement import Requirement
 from ..geometry import Camera, EdgeLocator
 from ..part.dimension import Part
+from ..planning.improvement import Improvement
 from ..planning.result import Plan
 from .budget import budget_section, figures_section, refinement_section
+from .changes import changes_table
+from .details import PlanDetails
+from .law_section import law_charts, law_section
+from .palette import DARK, LIGHT
 from .scene import build_scene
 from .summary import summary_markup
 from .tables import dimension_table, fact_table, setting_table
+from .view_section import view_section
 from .wording import element, length, requirement_text
 
 __all__ = ["render_report", "resource", "script_data"]
@@ -67,6 +72,22 @@ def _notes(part: Part, remark: str) -> str:
     return element("ul", markup="".join(element("li", note) for note in notes), class_="notes") if notes else ""
 
 
+def _improvement_section(improvement: Improvement | None) -> str:
+    if improvement is None:
+        return ""
+    hint = (
+        "One thing changed alone, the settings as they stand: with so much each dimension is still met, or would be. "
+        "Hatched: no such change will do; the probability is what is reached without that error. Other settings, which "
+        "viewgauge improve tries, may ask for less."
+    )
+    content = element("h2", "What to improve", id="improve") + element("p", hint, class_="hint")
+    content += changes_table(improvement)
+    if improvement.left_out:
+        names = ", ".join(improvement.left_out)
+        content += element("p", f"No camera or head error is in the way of {names}: they are not seen.", class_="hint")
+    return element("section", markup=content)
+
+
 def render_report(
     plan: Plan,
     part: Part,
@@ -75,8 +96,7 @@ def render_report(
     *,
     title: str,
     inputs: Mapping[str, str],
-    budgets: Mapping[str, ErrorBudget] | None = None,
-    figures: Mapping[str, GaugeFigures] | None = None,
+    details: PlanDetails | None = None,
 ) -> str:
     """The report of a plan as one HTML text that works offline.
 
@@ -86,8 +106,8 @@ def render_report(
         Heading, such as the part's name.
     inputs
         What the plan was made from: file names with their hashes, versions.
-    budgets, figures
-        Of dimensions, by id, as far as they have some.
+    details
+        What follows from the plan, as far as it is to be shown.
 
     Returns
     -------
@@ -96,7 +116,13 @@ def render_report(
     """
     from plotly.offline import get_plotlyjs  # here: 5 MB that only a report needs
 
+    details = details or PlanDetails()
     scene, remark = build_scene(plan, part, camera)
+    pictures = {
+        **scene,
+        "laws": law_charts(plan, details.laws, requirement.probability),
+        "themes": [asdict(LIGHT), asdict(DARK)],
+    }
     made_from = {**inputs, "viewgauge": version("viewgauge"), "Seed": str(plan.seed)}
     return Template(resource("page.html")).substitute(
         title=escape(title),
@@ -107,11 +133,14 @@ def render_report(
         dimensions=dimension_table(plan),
         settings=setting_table(plan, part, camera),
         refinement=refinement_section(plan),
-        budget=budget_section(plan, budgets or {}),
-        figures=figures_section(plan, figures or {}),
+        views=view_section(details.views, requirement.probability),
+        laws=law_section(plan, details.laws),
+        budget=budget_section(plan, details.budgets),
+        improvement=_improvement_section(details.improvement),
+        figures=figures_section(plan, details.figures),
         camera=fact_table(_camera_facts(camera)),
         inputs=fact_table(made_from),
         plotly=get_plotlyjs(),
-        scene=script_data(scene),
+        scene=script_data(pictures),
         view=resource("view.js"),
     )

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from ..evaluation import Evaluator
 from ..exceptions import InputError
 from ..part.gauge_table import GaugeTable
-from ..planning import default_distance_range, without_allowed_error
+from ..planning import Plan, default_distance_range, without_allowed_error
 from ..planning.improvement import Change, DimensionChanges, Improvement, TradeOff
 from ..planning.knobs import KNOBS, MOVING, SETTLED, Knob, SetUp, scaled_head
 from ..planning.least_change import SHORT, largest_factor, meeting
 from .chunks import EvaluationJob, candidate_grid, evaluator_of
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
 from .moved import MovedSettings
 from .plan import plan
 from .progress import Progress, Silent
 
-__all__ = ["improve", "settled_change"]
+__all__ = ["improve", "settled_change", "settled_improvement"]
 
 _STEPS_BEYOND = 100  # of 0.1 %, at most
 _PIXELS = 2.0 ** np.arange(-4, 3)  # of the trade-off
@@ -85,6 +85,47 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         trade_off,
         tuple(d.id for j, d in enumerate(dimensions) if not possible[j]),
         (*inspection.part.unusable, *refused),
+        len(poses),
+    )
+
+
+def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | None:
+    """By how much each error must be less, or may be more, with the settings of a plan as they stand.
+
+    Dimensions are judged by their surest setting, or, if none is sure enough, by the best pose that was tried. Those
+    that are averaged from several looks, or seen from nowhere, are left out; None where nothing remains. No candidate
+    is looked at: :func:`improve` may find that less has to change.
+    """
+    single = {d.id for d in plan.dimensions if d.T_part_camera is not None and not d.looks}
+    dimensions = tuple(dimension for dimension in inspection.part.dimensions if dimension.id in single)
+    if not dimensions:
+        return None
+    found = {d.id: d.T_part_camera for d in plan.dimensions if d.status != "met" and d.id in single}
+    poses = np.array([s.T_part_camera for s in plan.settings] + list(found.values())).reshape(-1, 4, 4)
+    evaluator = evaluator_of(
+        EvaluationJob.of(inspection, dimensions, ExplicitSettings(tuple(map(str, range(len(poses)))), poses))
+    )
+    setup = SetUp(inspection.camera, inspection.head, (0.0, 0.0))
+    without = evaluator.with_errors(setup.camera.without_errors, scaled_head(setup.head, 0.0, 0.0))
+    possible = np.asarray(meeting(without, poses).any(axis=0))
+    today = evaluator.probabilities(poses).max(axis=0)
+    met = np.asarray(meeting(evaluator, poses).any(axis=0))
+    of_each: list[dict[str, Change]] = [{} for _ in dimensions]
+    part: dict[str, Change] = {}
+    knobs = {knob.name: knob for knob in SETTLED if knob.today(setup) > 0}
+    asked = np.flatnonzero(possible).tolist()
+    for knob in knobs.values():
+        for j, changes in enumerate(of_each):
+            changes[knob.name] = settled_change(evaluator.of([j]), poses, setup, knob)
+        if asked:
+            part[knob.name] = _of_part({dimensions[j].id: of_each[j][knob.name] for j in asked})
+    return Improvement(
+        {name: knob.today(setup) for name, knob in knobs.items()},
+        tuple(DimensionChanges(d.id, bool(met[j]), float(today[j]), of_each[j]) for j, d in enumerate(dimensions)),
+        part,
+        (),
+        tuple(d.id for j, d in enumerate(dimensions) if not possible[j]),
+        inspection.part.unusable,
         len(poses),
     )
 

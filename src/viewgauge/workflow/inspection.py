@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from ..evaluation import Requirement
     from ..geometry import Camera, PoseError
     from ..part import Part
-    from ..planning import CandidateOptions
+    from ..planning import CandidateOptions, Plan
     from ..visibility import ObservationLimits
 
 __all__ = ["ExplicitSettings", "Inspection"]
@@ -28,6 +29,12 @@ class ExplicitSettings:
 
     def __len__(self) -> int:
         return len(self.ids)
+
+    @classmethod
+    def of_plan(cls, plan: Plan) -> ExplicitSettings:
+        """The settings of a plan."""
+        poses = np.array([setting.T_part_camera for setting in plan.settings]).reshape(-1, 4, 4)
+        return cls(tuple(setting.id for setting in plan.settings), poses)
 
     def poses(self, first: int, stop: int) -> NDArray[np.float64]:
         """``T_part_camera`` ``(m, 4, 4)`` mm of settings ``first`` to ``stop - 1``."""

@@ -118,21 +118,10 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
     """Write ``plan.json, settings.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
     from ..io.atomic import write_text_atomically
     from ..io.plan_files import write_plan_files
-    from ..report import render_report
-    from .budget import error_budgets, figures_of_gauges
+    from .report import plan_report
 
     place = make_folder(folder)
-    report = render_report(
-        plan,
-        inspection.part,
-        inspection.camera,
-        inspection.requirement,
-        title=inspection.name,
-        inputs={f"{name} (SHA-256)": digest for name, digest in inspection.inputs.items()},
-        budgets=error_budgets(inspection, plan),
-        figures=figures_of_gauges(inspection, plan),
-    )
-    write_text_atomically(place / "report.html", report)
+    write_text_atomically(place / "report.html", plan_report(plan, inspection))
     write_plan_files(plan, describe_plan(plan, inspection), place)
 
 

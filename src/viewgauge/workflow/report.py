@@ -1,0 +1,55 @@
+"""The report of a plan, with all that follows from it."""
+
+from __future__ import annotations
+
+from ..planning import Plan
+from ..report import PlanDetails, SettingView, render_report
+from ..report.view_section import SHOWN
+from .budget import error_budgets, figures_of_gauges
+from .chunks import EvaluationJob, evaluator_of
+from .improve import settled_improvement
+from .inspection import ExplicitSettings, Inspection
+from .laws import gauge_laws
+from .setting_view import SettingViews
+
+__all__ = ["plan_details", "plan_report"]
+
+
+def plan_report(plan: Plan, inspection: Inspection) -> str:
+    """The report as one HTML text (:func:`~viewgauge.report.render_report`)."""
+    return render_report(
+        plan,
+        inspection.part,
+        inspection.camera,
+        inspection.requirement,
+        title=inspection.name,
+        inputs={f"{name} (SHA-256)": digest for name, digest in inspection.inputs.items()},
+        details=plan_details(plan, inspection),
+    )
+
+
+def plan_details(plan: Plan, inspection: Inspection) -> PlanDetails:
+    """Budgets, figures, laws, views, and what to improve."""
+    return PlanDetails(
+        error_budgets(inspection, plan),
+        figures_of_gauges(inspection, plan),
+        gauge_laws(inspection, plan),
+        _views(plan, inspection),
+        settled_improvement(inspection, plan),
+    )
+
+
+def _views(plan: Plan, inspection: Inspection) -> tuple[SettingView, ...]:
+    """Of as many settings as a report shows; the dimensions are those that can be measured at all."""
+    measurable = {planned.id for planned in plan.dimensions if planned.status != "not_measurable"}
+    dimensions = tuple(dimension for dimension in inspection.part.dimensions if dimension.id in measurable)
+    if not dimensions or not plan.settings:
+        return ()
+    poses = ExplicitSettings.of_plan(plan)
+    table = evaluator_of(EvaluationJob.of(inspection, dimensions, poses)).table(poses.T_part_camera)
+    planned = {d.id: {d.setting, *(look.setting for look in d.looks)} - {None} for d in plan.dimensions}
+    views = SettingViews(inspection.part.mesh)
+    return tuple(
+        views.view(setting.id, setting.T_part_camera, inspection.camera, dimensions, table, row, planned)
+        for row, setting in enumerate(plan.settings[:SHOWN])
+    )
