@@ -19,6 +19,7 @@ from typing import Annotated, Literal
 from cyclopts import App, CycloptsError, Parameter
 
 from ..exceptions import ViewgaugeError
+from .bench import workbench
 from .camera import camera
 from .head import characterize
 from .images import measure, simulate, validate
@@ -218,6 +219,7 @@ app.command(camera, name="camera")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 app.command(validate, name="validate")
+app.command(workbench, name="workbench")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -136,14 +136,14 @@ class Evaluator:
             self._occluder,
         )
 
-    def with_errors(self, camera: Camera, error: PoseError) -> Evaluator:
-        """The same with another camera and head."""
+    def with_errors(self, camera: Camera, error: PoseError, requirement: Requirement | None = None) -> Evaluator:
+        """The same with another camera and head, and, if given, another requirement."""
         return Evaluator(
             self.dimensions,
             self._mesh,
             camera,
             error,
-            self._requirement,
+            requirement or self._requirement,
             self._limits,
             self._method,
             self.threads,

@@ -141,7 +141,7 @@ class _Reader:
     """Reads the sections one by one, gathering the problems of all of them."""
 
     def __init__(self, text: InspectionText) -> None:
-        self.path, self.sections, self.problems = text.path, text.sections, text.problems
+        self.text, self.path, self.sections, self.problems = text, text.path, text.sections, text.problems
 
     def read(self) -> InspectionFile:
         """The whole file; raises InspectionFileError."""
@@ -160,19 +160,21 @@ class _Reader:
         stated = cast(dict[str, Any], self.sections["head"])
         return InspectionFile(
             path=self.path,
-            part_file=self._path(part.file),
+            part_file=self._path(part.file, "part.file"),
             dimensions=dimensions,
             general_tolerance_mm=part.general_tolerance,
             camera=camera,
             head=head,
             requirement=requirement,
             candidates=options,
-            settings_file=self._path(candidates.settings),
-            covariance_file=self._path(stated.get("covariance")),
+            settings_file=self._path(candidates.settings, "candidates.settings"),
+            covariance_file=self._path(stated.get("covariance"), "head.covariance"),
             limits=limits,
             seed=top.seed,
-            common_covariance_file=self._path(stated["common"].get("covariance")) if "common" in stated else None,
-            calibration_file=self._path(cast(dict[str, Any], self.sections["camera"]).get("calibration")),
+            common_covariance_file=self._path(stated.get("common", {}).get("covariance"), "head.common.covariance"),
+            calibration_file=self._path(
+                cast(dict[str, Any], self.sections["camera"]).get("calibration"), "camera.calibration"
+            ),
             looks=looks,
         )
 
@@ -186,8 +188,8 @@ class _Reader:
         value = self.sections.get(section)
         return value.get(key) if isinstance(value, dict) else None
 
-    def _path(self, name: str | None) -> Path | None:
-        return None if name is None else self.path.parent / name
+    def _path(self, name: str | None, key: str) -> Path | None:
+        return None if name is None else self.text.beside(name, key)
 
     def _camera(self) -> Camera | None:
         if "camera" not in self.sections:
@@ -203,7 +205,8 @@ class _Reader:
             calibrated = validate(CalibratedCameraSection, value, where, self.problems)
             if calibrated is None:
                 return None
-            path, name = self.path.parent / calibrated.calibration, calibrated.calibration_camera
+            path = self.text.beside(calibrated.calibration, "camera.calibration")
+            name = calibrated.calibration_camera
             file = self._file(read_camera_file, path, (*where, "calibration"), name)
             if file is None:
                 return None
@@ -300,7 +303,8 @@ class _Reader:
         if section.covariance is None:
             return section.from_deviations()
         where = (*where, "covariance")
-        file = self._file(read_covariance, self.path.parent / section.covariance, where)
+        path = self.text.beside(section.covariance, ".".join(map(str, where)))
+        file = self._file(read_covariance, path, where)
         checked = None if file is None else build(PoseError, where, self.problems, file.covariance)
         if file is None or checked is None:
             return None

@@ -17,22 +17,53 @@ __all__ = ["InspectionText", "read_inspection_text"]
 
 @dataclass(frozen=True)
 class InspectionText:
-    """The sections of an inspection file as plain YAML values, and the problems that were found with the YAML."""
+    """The sections of an inspection file as plain YAML values, and the problems that were found with the YAML.
+
+    Parameters
+    ----------
+    within
+        The only folder from which other files may be read; None for any.
+    """
 
     path: Path
     sections: dict[str, object]
     problems: Problems
+    within: Path | None = None
 
     @property
     def part_file(self) -> Path | None:
         """The file that ``part.file`` seems to name; None where that is nothing that could be one."""
         part = self.sections.get("part")
         name = part.get("file") if isinstance(part, dict) else None
-        return self.path.parent / name if isinstance(name, str) and name.strip() else None
+        return self.beside(name, "part.file") if isinstance(name, str) and name.strip() else None
+
+    def beside(self, name: str, key: str) -> Path:
+        """Where a file lies that this one names: as written where absolute, else from this one's folder.
+
+        Raises
+        ------
+        InspectionFileError
+            If that is outside the folder from which files may be read, symbolic links followed.
+        """
+        path = self.path.parent / name
+        if self.within is not None and not path.resolve().is_relative_to(self.within.resolve()):
+            raise InspectionFileError(
+                "a file outside the project's folder is named",
+                file=self.path.name,
+                key=key,
+                got=name,
+                hint="give it along with the inspection file, and name it without a folder",
+            )
+        return path
 
 
-def read_inspection_text(path: str | os.PathLike[str]) -> InspectionText:
+def read_inspection_text(path: str | os.PathLike[str], within: Path | None = None) -> InspectionText:
     """Read an inspection file as far as its sections.
+
+    Parameters
+    ----------
+    within
+        The only folder from which the files that it names may be read; None for any.
 
     Raises
     ------
@@ -54,7 +85,7 @@ def read_inspection_text(path: str | os.PathLike[str]) -> InspectionText:
         problems.add((), "not an inspection file", got=_start(value), expected="sections such as 'camera:'")
     if not isinstance(value, dict):
         problems.raise_if_any()
-    return InspectionText(Path(path), cast(dict[str, object], value), problems)
+    return InspectionText(Path(path), cast(dict[str, object], value), problems, within)
 
 
 def _start(value: object) -> str:

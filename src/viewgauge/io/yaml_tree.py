@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from .problems import KeyPath, Problems
 
-__all__ = ["YamlTree", "parse_yaml"]
+__all__ = ["YamlTree", "parse_yaml", "quote_lists_with_unit"]
 
 _LIST_WITH_UNIT = re.compile(
     r"""
@@ -45,7 +45,7 @@ def parse_yaml(text: str, problems: Problems) -> YamlTree:
 
     tree = YamlTree()
     problems.lines = tree.lines
-    text = _quote_lists_with_unit(text.replace("\r\n", "\n").replace("\r", "\n"))
+    text = quote_lists_with_unit(text.replace("\r\n", "\n").replace("\r", "\n"))
     try:
         node = YAML(typ="safe", pure=True).compose(text)
         tree.value = None if node is None else _Walker(tree, problems).value(node, ())
@@ -64,7 +64,8 @@ def parse_yaml(text: str, problems: Problems) -> YamlTree:
     return tree
 
 
-def _quote_lists_with_unit(text: str) -> str:
+def quote_lists_with_unit(text: str) -> str:
+    """The text with lists that a unit follows as quoted strings."""
     return _LIST_WITH_UNIT.sub(lambda m: m[0] if m["other"] is not None else f"{m['before']}'{m['list']}'", text)
 
 

@@ -8,6 +8,7 @@ colour alone: what is not met has a thicker line, a diamond and a cross as well.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ..planning.result import Plan
@@ -19,6 +20,7 @@ __all__ = [
     "UNMET_COLOUR",
     "UNSEEN_COLOUR",
     "Theme",
+    "colours_of",
     "probability_colour",
     "probability_scale",
     "setting_colours",
@@ -42,7 +44,7 @@ SOURCE_COLOURS = {
 """Of the error budget."""
 
 _UNSURE, _NEARLY = (122, 4, 3), (240, 150, 50)  # at 0, and just below what is required
-_JUST, _SURE = (120, 190, 235), (0, 68, 136)  # at what is required, and at 1
+_JUST, _SURE = (86, 170, 232), (0, 60, 130)  # at what is required, and at 1
 
 
 @dataclass(frozen=True)
@@ -62,9 +64,14 @@ LIGHT = Theme("#ffffff", "#f4f6f9", "#1c2733", "#5a6877", "#d5dce4", "#00664a", 
 DARK = Theme("#12181f", "#1b232c", "#e6ebf1", "#9fadbb", "#33404d", "#6ddcae", "#ff9c9c")
 
 
+def colours_of(names: Iterable[str]) -> dict[str, str]:
+    """A colour for each name, in their order; with more names than colours they repeat."""
+    return {name: SETTING_COLOURS[k % len(SETTING_COLOURS)] for k, name in enumerate(names)}
+
+
 def setting_colours(plan: Plan) -> dict[str, str]:
     """A colour per setting id; with more settings than colours they repeat with another marker."""
-    return {setting.id: SETTING_COLOURS[k % len(SETTING_COLOURS)] for k, setting in enumerate(plan.settings)}
+    return colours_of(setting.id for setting in plan.settings)
 
 
 def setting_markers(plan: Plan) -> dict[str, str]:

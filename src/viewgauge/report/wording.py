@@ -19,9 +19,10 @@ def element(tag: str, text: str = "", *, markup: str = "", **attributes: str) ->
     Parameters
     ----------
     attributes
-        Values are escaped. A trailing underscore is dropped (``class_``).
+        Values are escaped. A trailing underscore is dropped (``class_``), others are hyphens (``aria_label``).
     """
-    written = "".join(f' {key.rstrip("_")}="{escape(value)}"' for key, value in attributes.items())
+    names = {key: key.rstrip("_").replace("_", "-") for key in attributes}
+    written = "".join(f' {names[key]}="{escape(value)}"' for key, value in attributes.items())
     return f"<{tag}{written}>{markup or escape(text)}</{tag}>"
 
 

@@ -8,8 +8,19 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..geometry import pose_from_quaternion, quaternion_from_pose
     from ..io.table_store import require_table_suffix
+    from ..planning import Plan
+    from ..planning.answers import Answers
+    from ..planning.direction_map import DirectionMap
+    from ..planning.turned import KnobValues
+    from ..report.bench import answer_table, bench_style, dimension_facts, legend, message, verdict_markup
+    from ..report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
+    from ..report.palette import DARK, LIGHT, colours_of, probability_colour
+    from ..report.simplify import picture_mesh
+    from ..report.view_picture import unseen_table, view_picture
     from ..simulation.sensor import Sensor
+    from .bench_jobs import load_uploaded, plan_again
     from .budget import error_budgets, figures_of_gauges
     from .camera import describe_calibration, read_calibration, write_opencv_camera
     from .characterize import (
@@ -22,15 +33,21 @@ if TYPE_CHECKING:
     from .check import check
     from .evaluate import Evaluation, Method, evaluate, evaluate_into, success_probability
     from .execution import open_executor
+    from .export import plan_archive, settings_text
     from .improve import improve
     from .inspection import ExplicitSettings, Inspection
+    from .job import Job, JobCancelledError, Stage
     from .load import load
     from .measure import Measured, measure
     from .plan import plan
     from .progress import Progress, Silent
+    from .read_plan import read_plan, require_plan_of
+    from .report import plan_report
+    from .save import turned_inspection_text
     from .simulate import simulate
     from .specify import specify
     from .validate import Validation, describe_validation, validate, write_validation
+    from .what_if import WhatIf
     from .write import (
         describe_answers,
         describe_plan,
@@ -42,6 +59,27 @@ if TYPE_CHECKING:
     )
 
 _HOME = {
+    "Plan": "..planning",
+    **dict.fromkeys(("Answers",), "..planning.answers"),
+    **dict.fromkeys(("DirectionMap",), "..planning.direction_map"),
+    **dict.fromkeys(("KnobValues",), "..planning.turned"),
+    **dict.fromkeys(
+        ("accuracy_chart", "budget_chart", "directions_chart", "laws_chart", "table_chart"), "..report.charts"
+    ),
+    **dict.fromkeys(
+        ("answer_table", "bench_style", "dimension_facts", "legend", "message", "verdict_markup"), "..report.bench"
+    ),
+    **dict.fromkeys(("DARK", "LIGHT", "colours_of", "probability_colour"), "..report.palette"),
+    **dict.fromkeys(("picture_mesh",), "..report.simplify"),
+    **dict.fromkeys(("unseen_table", "view_picture"), "..report.view_picture"),
+    **dict.fromkeys(("pose_from_quaternion", "quaternion_from_pose"), "..geometry"),
+    **dict.fromkeys(("load_uploaded", "plan_again"), ".bench_jobs"),
+    **dict.fromkeys(("JobCancelledError", "Job", "Stage"), ".job"),
+    **dict.fromkeys(("plan_archive", "settings_text"), ".export"),
+    **dict.fromkeys(("read_plan", "require_plan_of"), ".read_plan"),
+    **dict.fromkeys(("plan_report",), ".report"),
+    **dict.fromkeys(("turned_inspection_text",), ".save"),
+    **dict.fromkeys(("WhatIf",), ".what_if"),
     **dict.fromkeys(("error_budgets", "figures_of_gauges"), ".budget"),
     **dict.fromkeys(("describe_calibration", "read_calibration", "write_opencv_camera"), ".camera"),
     **dict.fromkeys(
@@ -77,40 +115,76 @@ _HOME = {
 }
 
 __all__ = [
+    "DARK",
+    "LIGHT",
+    "Answers",
     "Characterization",
+    "DirectionMap",
     "Evaluation",
     "ExplicitSettings",
     "Inspection",
+    "Job",
+    "JobCancelledError",
+    "KnobValues",
     "Measured",
     "Method",
+    "Plan",
     "Progress",
     "Sensor",
     "Silent",
+    "Stage",
     "Validation",
+    "WhatIf",
+    "accuracy_chart",
+    "answer_table",
+    "bench_style",
+    "budget_chart",
     "characterize",
     "check",
+    "colours_of",
     "describe_answers",
     "describe_calibration",
     "describe_characterization",
     "describe_plan",
     "describe_validation",
+    "dimension_facts",
+    "directions_chart",
     "error_budgets",
     "evaluate",
     "evaluate_into",
     "figures_of_gauges",
     "improve",
+    "laws_chart",
+    "legend",
     "load",
+    "load_uploaded",
     "measure",
+    "message",
     "open_executor",
     "output_folder",
+    "picture_mesh",
     "plan",
+    "plan_again",
+    "plan_archive",
+    "plan_report",
+    "pose_from_quaternion",
+    "probability_colour",
+    "quaternion_from_pose",
     "read_calibration",
+    "read_plan",
     "require_answer_suffix",
+    "require_plan_of",
     "require_table_suffix",
+    "settings_text",
     "simulate",
     "specify",
     "success_probability",
+    "table_chart",
+    "turned_inspection_text",
+    "unseen_table",
     "validate",
+    "verdict_markup",
+    "view_picture",
     "write_answers",
     "write_calibration",
     "write_evaluation",

@@ -32,6 +32,7 @@ def load(
     part: str | PathLike[str] | None = None,
     chord_error_mm: float | None = None,
     meanwhile: Callable[[], object] | None = None,
+    within: str | PathLike[str] | None = None,
 ) -> Inspection:
     """Read an inspection file and everything that it names.
 
@@ -46,13 +47,15 @@ def load(
     meanwhile
         Called once the inspection file is found right, while another process still reads a STEP file: the time to
         import what comes next.
+    within
+        The only folder from which files that the inspection file names may be read; None for any.
 
     Raises
     ------
     InputError
         If a file cannot be read or something in it cannot be used; it says where.
     """
-    text = read_inspection_text(path)
+    text = read_inspection_text(path, None if within is None else Path(within))
     part_path = Path(part) if part is not None else text.part_file
     if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
         raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from ..evaluation import TableBlock
 from ..geometry import Camera, invert, transform
 from ..io.images import encoded_png
 from ..part import Dimension, Mesh
+from ..planning.turned import with_pixel_pitch
 from ..report import SeenDimension, SettingView
 from ..simulation.renderer import Renderer
 from ..visibility import REASONS
@@ -78,12 +78,4 @@ class SettingViews:
 
 def smaller_camera(camera: Camera, width_px: int) -> Camera:
     """A camera that sees the same with at most so many columns, and without errors."""
-    columns, rows = camera.resolution
-    factor = max(columns / width_px, 1.0)
-    u, v = camera.principal_point
-    return replace(
-        camera.without_errors,
-        pixel_pitch_mm=(camera.pixel_pitch_mm[0] * factor, camera.pixel_pitch_mm[1] * factor),
-        resolution=(max(round(columns / factor), 1), max(round(rows / factor), 1)),
-        principal_point_px=((u + 0.5) / factor - 0.5, (v + 0.5) / factor - 0.5),
-    )
+    return with_pixel_pitch(camera.without_errors, max(camera.resolution[0] / width_px, 1.0))

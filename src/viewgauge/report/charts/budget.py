@@ -44,6 +44,8 @@ def budget_chart(budgets: Mapping[str, ErrorBudget], order: Sequence[str] = (), 
         barmode="relative",
         hovermode="closest",
         height=150 + 24 * len(names),
+        legend={"orientation": "h", "x": 0, "y": 0, "yref": "container", "yanchor": "bottom", "font": {"size": 12}},
+        margin={"l": 58, "r": 16, "t": 40, "b": 92},
         xaxis=axis("share of the variance / %", theme, zeroline=True, zerolinecolor=theme.soft),
         yaxis={**axis("", theme, autorange="reversed", type="category"), "showgrid": False},
     )

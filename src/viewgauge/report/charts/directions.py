@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...planning.direction_map import DirectionMap
 from ..palette import UNSEEN_COLOUR, probability_scale
-from .style import Figure, figure, plain, theme_of
+from .style import COLOUR_BAR, Figure, figure, plain, theme_of
 
 __all__ = ["directions_chart"]
 
@@ -51,7 +51,7 @@ def directions_chart(
                 "cmin": 0,
                 "cmax": 1,
                 "size": size,
-                "colorbar": {"title": {"text": "probability"}, "thickness": 14, "outlinewidth": 0},
+                "colorbar": COLOUR_BAR,
             },
         ),
     ):

@@ -6,13 +6,20 @@ from typing import Any
 
 from ..palette import DARK, LIGHT, Theme
 
-__all__ = ["FONT", "Figure", "axis", "figure", "marked", "plain", "theme_of", "washed"]
+__all__ = ["COLOUR_BAR", "FONT", "Figure", "axis", "figure", "marked", "plain", "theme_of", "washed"]
 
 Figure = dict[str, Any]
 """``data`` and ``layout`` of a Plotly figure, JSON-ready."""
 
 FONT = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', sans-serif"
 _SIZE = 13
+COLOUR_BAR = {
+    "title": {"text": "probability", "font": {"size": 12}},
+    "tickfont": {"size": 11},
+    "thickness": 12,
+    "outlinewidth": 0,
+}
+"""Of probabilities."""
 
 
 def theme_of(dark: bool) -> Theme:
@@ -54,7 +61,7 @@ def figure(data: list[dict[str, Any]], theme: Theme, title: str, **layout: Any) 
             "paper_bgcolor": theme.paper,
             "plot_bgcolor": theme.paper,
             "margin": {"l": 58, "r": 16, "t": 40, "b": 48},
-            "legend": {"orientation": "h", "x": 0, "y": -0.24, "yanchor": "top", "font": {"size": 12}},
+            "legend": {"orientation": "h", "x": 0, "y": -0.17, "yanchor": "top", "font": {"size": 12}},
             "hoverlabel": {"align": "left", "font": {"family": FONT}},
             "hovermode": "x",
             **layout,
@@ -70,4 +77,4 @@ def marked(theme: Theme, text: str, *, x: float | None = None, y: float | None =
         shape = {"type": "line", "x0": x, "x1": x, "yref": "paper", "y0": 0, "y1": 1, "line": line}
         return shape, {**words, "x": x, "yref": "paper", "y": 1, "xanchor": "left", "yanchor": "top", "xshift": 4}
     shape = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": y, "y1": y, "line": line}
-    return shape, {**words, "xref": "paper", "x": 1, "y": y, "xanchor": "right", "yanchor": "bottom", "xshift": -4}
+    return shape, {**words, "xref": "paper", "x": 0, "y": y, "xanchor": "left", "yanchor": "top", "xshift": 4}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..palette import UNSEEN_COLOUR, probability_scale
-from .style import Figure, axis, figure, plain, theme_of
+from .style import COLOUR_BAR, Figure, axis, figure, plain, theme_of
 
 __all__ = ["table_chart"]
 
@@ -40,7 +40,7 @@ def table_chart(
             "zmin": 0,
             "zmax": 1,
             "colorscale": [list(stop) for stop in probability_scale(required)],
-            "colorbar": {"title": {"text": "probability"}, "thickness": 14, "outlinewidth": 0},
+            "colorbar": COLOUR_BAR,
             "xgap": 1,
             "ygap": 1,
             "hovertemplate": "%{x} from %{y}<br>%{text}<extra></extra>",

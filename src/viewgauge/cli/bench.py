@@ -1,0 +1,73 @@
+"""``viewgauge workbench``: a local web page on which a plan is looked at and turned."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..exceptions import InputError
+from .options import DONE, PartFile, whole_number
+from .progress import Bars
+
+__all__ = ["workbench"]
+
+
+def workbench(
+    file: Path,
+    /,
+    *,
+    plan: Path | None = None,
+    part: PartFile = None,
+    host: str = "127.0.0.1",
+    port: Annotated[int, Parameter(converter=whole_number)] = 8080,
+    browser: bool = True,
+) -> int:
+    """Open a local web page with the part, the cameras and the numbers, and see what a change would do.
+
+    Ends with Ctrl-C. Only this machine can reach it, unless --host says otherwise; then the printed address holds a
+    token without which nobody is let in.
+
+    Parameters
+    ----------
+    file
+        The inspection file (YAML). The page reads no file outside its folder.
+    plan
+        Folder with the plan to begin with, as viewgauge plan wrote it; by default one is made.
+    host
+        Address or name to bind to.
+    port
+        0 for any that is free.
+    browser
+        Open the page in the browser; --no-browser to print its address only.
+    """
+    from .. import workflow
+
+    try:
+        from ..web import open_workbench
+    except ImportError as error:
+        raise InputError(
+            "the workbench needs viser, which is not installed", got=str(error), hint='pip install "viewgauge[web]"'
+        ) from None
+    with Bars().stage("Reading the inspection and its part"):
+        inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.plan)
+        made = None if plan is None else workflow.read_plan(plan)
+        if made is not None:
+            workflow.require_plan_of(made, inspection)
+    logging.getLogger("websockets").setLevel(logging.CRITICAL)
+    bench = open_workbench(file, inspection, made, host=host, port=port)
+    print(f"the workbench is at {bench.address}  (Ctrl-C ends it)", flush=True)
+    if browser and sys.stdout.isatty():
+        webbrowser.open(bench.address)
+    try:
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        print()
+    finally:
+        bench.close()
+    return DONE

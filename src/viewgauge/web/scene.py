@@ -1,0 +1,306 @@
+"""The part, the gauges and the cameras in three dimensions, for one visitor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from ..workflow import (
+    Answers,
+    DirectionMap,
+    Inspection,
+    colours_of,
+    picture_mesh,
+    probability_colour,
+    quaternion_from_pose,
+)
+
+__all__ = ["Scene", "rgb"]
+
+_FIELD_OF_VIEW_RAD, _ASIDE_RAD = 0.7, 0.45
+_NARROW = 0.75  # width of the picture between the panels, of its height
+_TRIANGLES, _LABELS, _CANDIDATES = 150_000, 40, 1500
+_PART, _EDGES, _UNMET, _UNSEEN = (0xC3, 0xCA, 0xD3), (0x2B, 0x35, 0x40), "#D00000", "#8a94a0"
+_OCTAHEDRON = (
+    np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32),
+    np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32),
+)
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Of a hexadecimal colour."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+class Scene:
+    """What a visitor sees of a part; everything has one place in the tree and is replaced there."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client, self._scene = client, client.scene
+        self._scene.set_up_direction("+z")
+        self._size_mm, self._centre = 1.0, np.zeros(3)
+        self._frusta: dict[str, Any] = {}
+        self._shown: dict[str, Any] = {}
+
+    def show_part(self, inspection: Inspection) -> None:
+        """The part, and the view of it from a corner."""
+        self.clear()
+        mesh = picture_mesh(inspection.part.mesh, _TRIANGLES)
+        low, high = inspection.part.mesh.bounds
+        self._size_mm, centre = float(np.linalg.norm(high - low)), (low + high) / 2
+        surface = self._scene.add_mesh_simple(
+            "/part", mesh.vertices, mesh.triangles, color=_PART, flat_shading=True, side="double"
+        )
+        self._put("/part", surface)
+        pieces = [np.stack([line[:-1], line[1:]], axis=1) for line in inspection.part.feature_lines if len(line) > 1]
+        self._lines("/edges", np.concatenate(pieces) if pieces else None, _EDGES, 1.5)
+        self._centre = centre
+        camera = self._client.camera
+        camera.near, camera.far, camera.fov = self._size_mm / 500, self._size_mm * 200, _FIELD_OF_VIEW_RAD
+        self.look_at_part()
+
+    def see_through(self, yes: bool) -> None:
+        """Let gauges behind the part's surface be seen."""
+        self._shown["/part"].opacity = 0.35 if yes else 1.0
+
+    def look_at_part(self) -> None:
+        """From above a corner."""
+        self._look(self._centre + self._size_mm * np.array([1.0, -1.5, 1.05]), self._centre)
+
+    def look_at_all(self, settings: Mapping[str, NDArray[np.float64]]) -> None:
+        """At the part and all cameras, from beside them."""
+        if not settings:
+            self.look_at_part()
+            return
+        eyes = np.array([T[:3, 3] for T in settings.values()]) - self._centre
+        mean = (eyes / np.linalg.norm(eyes, axis=1, keepdims=True)).mean(axis=0)
+        if np.linalg.norm(mean) < 0.2:  # they stand all around
+            mean = np.array([0.55, -0.65, 0.5])
+        c, s = np.cos(_ASIDE_RAD), np.sin(_ASIDE_RAD)
+        away = np.array([c * mean[0] - s * mean[1], s * mean[0] + c * mean[1], max(abs(mean[2]), 0.35)])
+        away /= np.linalg.norm(away)
+        low = np.minimum(eyes.min(axis=0), -self._size_mm / 2)
+        high = np.maximum(eyes.max(axis=0), self._size_mm / 2)
+        middle = self._centre + (low + high) / 2
+        radius = 0.5 * float(np.linalg.norm(high - low)) + 0.1 * self._size_mm
+        self._look(middle + radius / np.tan(_NARROW * _FIELD_OF_VIEW_RAD / 2) * away, middle)
+
+    def look_through(self, T_part_camera: NDArray[np.float64]) -> None:
+        """As a setting's camera sees the part."""
+        self._look(T_part_camera[:3, 3], self._centre)
+
+    def _look(self, eye: NDArray[np.float64], at: NDArray[np.float64]) -> None:
+        with self._client.atomic():
+            camera = self._client.camera
+            camera.up_direction = (0.0, 0.0, 1.0)
+            camera.position = tuple(eye)
+            camera.look_at = tuple(at)
+
+    def clear(self) -> None:
+        """Take everything away."""
+        for handle in self._shown.values():
+            handle.remove()
+        self._shown.clear()
+        self._frusta.clear()
+
+    def show_answers(self, answers: Answers, chosen: str | None, *, names: bool) -> None:
+        """The gauges, coloured by probability; what is not met is thick and has diamonds."""
+        required = answers.requirement.probability
+        groups: dict[str, list[tuple[NDArray[np.float64], str]]] = {"met": [], "unmet": [], "unseen": []}
+        labels: list[tuple[str, NDArray[np.float64]]] = []
+        for answer in answers.dimensions:
+            ends = np.stack([answer.gauge.start, answer.gauge.end])
+            seen = answer.setting is not None
+            colour = probability_colour(answer.probability, required) if seen else _UNSEEN
+            groups["met" if answer.met else "unmet" if seen else "unseen"].append((ends, colour))
+            if names or answer.dimension.id == chosen:
+                mark = "" if answer.met else "✗ "
+                labels.append((mark + answer.dimension.id, ends.mean(axis=0)))
+        widths = {"met": 4.5, "unmet": 8.0, "unseen": 3.0}
+        with self._client.atomic():
+            for group, gauges in groups.items():
+                segments = np.array([ends for ends, _ in gauges]) if gauges else None
+                colours = np.array([[rgb(colour)] * 2 for _, colour in gauges], dtype=np.uint8)
+                self._lines(f"/gauges/{group}", segments, colours, widths[group])
+                self._ends(f"/gauges/{group}_ends", gauges, 0.008 if group == "met" else 0.013)
+            self._halo(answers, chosen)
+            self._labels(labels[:_LABELS])
+
+    def _halo(self, answers: Answers, chosen: str | None) -> None:
+        """Around the chosen dimension."""
+        ends = [np.stack([a.gauge.start, a.gauge.end]) for a in answers.dimensions if a.dimension.id == chosen]
+        self._lines("/gauges/chosen", np.array(ends) if ends else None, (0xFF, 0xD0, 0x00), 14.0)
+
+    def show_settings(self, answers: Answers, chosen: str | None) -> None:
+        """The cameras as pyramids; the chosen one with thicker lines."""
+        camera = answers.camera
+        columns, rows = camera.resolution
+        height = rows * camera.pixel_pitch_mm[1]
+        aspect = columns * camera.pixel_pitch_mm[0] / height
+        fov = 2 * float(np.arctan2(height / 2, camera.focal_length_mm))
+        colours = colours_of(answers.settings)
+        with self._client.atomic():
+            for name in set(self._frusta) - set(answers.settings):
+                self._take_away(f"/settings/{name}")
+                self._frusta.pop(name)
+            for name, T in answers.settings.items():
+                look = (round(fov, 9), round(aspect, 9), name == chosen)
+                if self._frusta.get(name) != look:
+                    self._frusta[name] = look
+                    self._put(
+                        f"/settings/{name}",
+                        self._scene.add_camera_frustum(
+                            f"/settings/{name}",
+                            fov,
+                            aspect,
+                            scale=0.16 * self._size_mm,
+                            thickness=5.0 if name == chosen else 2.5,
+                            thickness_units="screen",
+                            color=rgb(colours[name]),
+                        ),
+                    )
+                    self._put(f"/settings/{name}/name", self._scene.add_label(f"/settings/{name}/name", name))
+                handle = self._shown[f"/settings/{name}"]
+                handle.wxyz, handle.position = quaternion_from_pose(T), T[:3, 3]
+
+    def show_candidates(self, poses: NDArray[np.float64] | None, share: NDArray[np.float64]) -> None:
+        """Candidate settings as small pyramids, the bluer the more they measure; None for none."""
+        if poses is None or not len(poses):
+            self._take_away("/candidates")
+            return
+        vertices = np.array([[0, 0, 0], [-0.6, -0.45, 1], [0.6, -0.45, 1], [0.6, 0.45, 1], [-0.6, 0.45, 1]])
+        faces = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [1, 2, 3], [1, 3, 4]], dtype=np.uint32)
+        colours = np.array([rgb(probability_colour(float(s), 0.5)) for s in share], dtype=np.uint8)
+        self._put(
+            "/candidates",
+            self._scene.add_batched_meshes_simple(
+                "/candidates",
+                (0.05 * self._size_mm * vertices).astype(np.float32),
+                faces,
+                np.array([quaternion_from_pose(T) for T in poses]),
+                poses[:, :3, 3],
+                batched_colors=colours,
+                flat_shading=True,
+                side="double",
+                opacity=0.65,
+                cast_shadow=False,
+                receive_shadow=False,
+                lod="off",
+            ),
+        )
+
+    def show_directions(self, found: DirectionMap | None, required: float) -> None:
+        """Directions around the part, a small sphere, coloured by the probability of one dimension; None for none."""
+        if found is None:
+            self._take_away("/directions")
+            return
+        seen = found.reason == ""
+        colours = [
+            rgb(probability_colour(float(p), required) if s else _UNSEEN)
+            for p, s in zip(found.probability, seen, strict=True)
+        ]
+        self._put(
+            "/directions",
+            self._scene.add_point_cloud(
+                "/directions",
+                found.target_mm + self._size_mm * found.directions,
+                np.array(colours, dtype=np.uint8),
+                point_size=0.03 * self._size_mm,
+                point_shape="circle",
+            ),
+        )
+
+    def drag_handle(self, T_part_camera: NDArray[np.float64] | None) -> Any:
+        """Something to drag a camera by; None takes it away."""
+        if T_part_camera is None:
+            self._take_away("/drag")
+            return None
+        handle = self._scene.add_transform_controls(
+            "/drag",
+            scale=0.22 * self._size_mm,
+            wxyz=quaternion_from_pose(T_part_camera),
+            position=T_part_camera[:3, 3],
+            translation_limits=((-1e6, 1e6),) * 3,
+            depth_test=False,
+        )
+        self._put("/drag", handle)
+        return handle
+
+    def picked(
+        self, answers: Answers, origin: NDArray[np.float64], direction: NDArray[np.float64]
+    ) -> tuple[str, str] | None:
+        """What a click means: ("dimension", id) or ("setting", id), the nearest to its ray; None for nothing near."""
+        best, found = 0.04 * self._size_mm, None
+        for answer in answers.dimensions:
+            points = np.linspace(answer.gauge.start, answer.gauge.end, 9)
+            apart = _from_ray(points, origin, direction).min()
+            if apart < best:
+                best, found = float(apart), ("dimension", answer.dimension.id)
+        for name, T in answers.settings.items():
+            points = T[:3, 3] + np.outer([0.0, 0.08 * self._size_mm, 0.16 * self._size_mm], T[:3, 2])
+            apart = _from_ray(points, origin, direction).min()
+            if apart < min(best, 0.06 * self._size_mm):
+                best, found = float(apart), ("setting", name)
+        return found
+
+    def _lines(
+        self,
+        name: str,
+        segments: NDArray[np.float64] | None,
+        colours: NDArray[np.uint8] | tuple[int, int, int],
+        width: float,
+    ) -> None:
+        if segments is None:
+            self._take_away(name)
+        else:
+            self._put(
+                name, self._scene.add_line_segments(name, segments, colours, thickness=width, thickness_units="screen")
+            )
+
+    def _ends(self, name: str, gauges: list[tuple[NDArray[np.float64], str]], size: float) -> None:
+        if not gauges:
+            self._take_away(name)
+            return
+        vertices, faces = _OCTAHEDRON
+        places = np.concatenate([ends for ends, _ in gauges])
+        self._put(
+            name,
+            self._scene.add_batched_meshes_simple(
+                name,
+                vertices * np.float32(size * self._size_mm),
+                faces,
+                np.tile([1.0, 0.0, 0.0, 0.0], (len(places), 1)),
+                places,
+                batched_colors=np.array([rgb(colour) for _, colour in gauges for _ in range(2)], dtype=np.uint8),
+                flat_shading=True,
+                cast_shadow=False,
+                lod="off",
+            ),
+        )
+
+    def _labels(self, labels: list[tuple[str, NDArray[np.float64]]]) -> None:
+        for name in [name for name in self._shown if name.startswith("/names/")]:
+            self._take_away(name)
+        for k, (text, place) in enumerate(labels):
+            self._put(f"/names/{k}", self._scene.add_label(f"/names/{k}", text, position=place))
+
+    def _put(self, name: str, handle: Any) -> None:
+        """What has a name already is replaced by viser itself."""
+        self._shown[name] = handle
+
+    def _take_away(self, name: str) -> None:
+        for mine in [mine for mine in self._shown if mine == name or mine.startswith(f"{name}/")]:
+            self._shown.pop(mine).remove()
+
+
+def _from_ray(
+    points: NDArray[np.float64], origin: NDArray[np.float64], direction: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """``(n,)``: distances of points ``(n, 3)`` from a ray; infinite behind its origin."""
+    along = (points - origin) @ direction
+    apart = np.linalg.norm(points - origin - along[:, None] * direction, axis=1)
+    return np.asarray(np.where(along > 0, apart, np.inf))
