@@ -26,6 +26,7 @@ from .images import measure, simulate, validate
 from .inverse import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
+from .plot import plot
 from .progress import Bars
 
 __all__ = ["main"]
@@ -220,6 +221,7 @@ app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 app.command(validate, name="validate")
 app.command(workbench, name="workbench")
+app.command(plot, name="plot")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

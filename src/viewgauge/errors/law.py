@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
+from ..shown import Shown
 
 __all__ = ["Law"]
 
 
-class Law(ABC):
+class Law(Shown, ABC):
     """A continuous law of one real error; parameters and arguments broadcast like NumPy arrays."""
 
     @abstractmethod

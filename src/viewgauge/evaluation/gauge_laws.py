@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import AveragedError, IndependentTotalError, TotalError
 from ..errors.law import Law
 from ..geometry import Camera, PoseError
+from ..shown import Shown
 from .looks import Looks
 from .segment import image_segment
 
@@ -17,7 +18,7 @@ __all__ = ["GaugeLaws"]
 
 
 @dataclass(frozen=True)
-class GaugeLaws:
+class GaugeLaws(Shown):
     """What the error of a dimension is made of, and how sure that makes it.
 
     Parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from .validity import WARNINGS
 
 if TYPE_CHECKING:
     import xarray as xr
+    from plotly.graph_objects import Figure
 
 __all__ = ["COLUMNS", "as_dataset"]
 
@@ -32,6 +34,27 @@ COLUMNS = (
 """Columns of the table, beside ``setting`` and ``dimension``."""
 
 
+@cache
+def _give_picture() -> None:
+    """``table.viewgauge.plot()``: datasets get what tables can do, once."""
+    import xarray as xr
+
+    class TableAccessor:
+        """What a table setting x dimension can do beside being a dataset."""
+
+        def __init__(self, table: xr.Dataset) -> None:
+            self._table = table
+
+        def plot(self, *, dark: bool = False) -> Figure:
+            """A map of probabilities, settings down and dimensions across, as a Plotly figure."""
+            from importlib import import_module
+
+            figure: Figure = import_module("viewgauge.report.notebook").table_figure(self._table, dark=dark)
+            return figure
+
+    xr.register_dataset_accessor("viewgauge")(TableAccessor)  # type: ignore[no-untyped-call]
+
+
 def as_dataset(
     columns: Mapping[str, NDArray[np.generic]],
     setting_ids: Sequence[str],
@@ -42,6 +65,7 @@ def as_dataset(
     """A dataset over (setting, dimension) of columns ``(n, d)``; reasons and warnings are given by their index."""
     import xarray as xr  # slow to import
 
+    _give_picture()
     names = {"reason": REASONS, "validity": ("", *WARNINGS)}
     texts = {k: np.array(v, dtype=object)[columns[k].astype(int)] for k, v in names.items() if k in columns}
     return xr.Dataset(

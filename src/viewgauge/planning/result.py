@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..shown import Shown
 from .bounds import Certificate, SettingsBound
 from .refinement import Refinement
 
@@ -90,7 +91,7 @@ class PlannedDimension:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Shown):
     """The fewest settings that measure every dimension that can be met.
 
     Parameters

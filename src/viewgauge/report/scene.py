@@ -17,7 +17,7 @@ from .palette import UNMET_COLOUR, setting_colours, setting_markers
 from .simplify import picture_mesh
 from .wording import length, probability
 
-__all__ = ["TRIANGLE_LIMIT", "build_scene"]
+__all__ = ["TRIANGLE_LIMIT", "build_scene", "gauge_scene"]
 
 TRIANGLE_LIMIT = 150_000
 """Most triangles shown, so that the report stays below 10 MB."""
@@ -202,6 +202,24 @@ def _layout() -> Trace:
         "legend": {"orientation": "h", "x": 0, "y": 0, "yanchor": "bottom"},
         "hoverlabel": {"align": "left"},
     }
+
+
+def gauge_scene(plan: Plan) -> dict[str, Any]:
+    """The pictures' data where the part is not at hand: gauges, and the cameras as points; as :func:`build_scene`."""
+    cameras = [
+        {
+            "type": "scatter3d",
+            "mode": "markers+text",
+            **{axis: [float(setting.T_part_camera[k, 3])] for k, axis in enumerate("xyz")},
+            "text": [_plain(setting.id)],
+            "textposition": "top center",
+            "marker": {"color": setting_colours(plan)[setting.id], "size": 6, "symbol": "square"},
+            "name": _plain(setting.id),
+            "showlegend": False,
+        }
+        for setting in plan.settings
+    ]
+    return {"part": _gauge_traces(plan), "cameras": cameras, "layout": _layout()}
 
 
 def build_scene(plan: Plan, part: Part, camera: Camera) -> tuple[dict[str, Any], str]:

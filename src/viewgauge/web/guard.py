@@ -77,10 +77,10 @@ class Gate:
 
     def refusal(self, request: Request) -> Response | None:
         """The answer to one who is not let in; None for one who is."""
-        host = _host(request.headers.get("Host", ""))
-        if self._names is not None and (host is None or host[0] not in self._names):
+        host = _host(request)
+        if host is None or (self._names is not None and host[0] not in self._names):
             return _refuse(http.HTTPStatus.MISDIRECTED_REQUEST, "this server has another name")
-        upgrade = request.headers.get("Upgrade", "").lower() == "websocket"
+        upgrade = bool(request.headers.get_all("Upgrade"))
         if upgrade and not self._same_origin(request, host):
             return _refuse(http.HTTPStatus.FORBIDDEN, "a page from elsewhere must not come in")
         if self._token is None or self._known(request):
@@ -93,12 +93,16 @@ class Gate:
             return None
         return f"{self._cookie_name(request)}={self._token}; HttpOnly; SameSite=Strict; Path=/"
 
-    def _same_origin(self, request: Request, host: tuple[str, int | None] | None) -> bool:
-        origin = request.headers.get("Origin")
-        if origin is None:  # no browser leaves it out
+    @staticmethod
+    def _same_origin(request: Request, host: tuple[str, int | None]) -> bool:
+        origins = request.headers.get_all("Origin")
+        if not origins:  # no browser leaves it out
             return True
-        parts = urlsplit(origin)
-        return host is not None and (parts.hostname, parts.port) == host and parts.scheme in ("http", "https")
+        try:
+            parts = [urlsplit(origin) for origin in origins]
+            return all((p.hostname, p.port) == host and p.scheme in ("http", "https") for p in parts)
+        except ValueError:
+            return False
 
     def _known(self, request: Request) -> bool:
         return self._brought(request) or any(
@@ -115,14 +119,17 @@ class Gate:
     @staticmethod
     def _cookie_name(request: Request) -> str:
         """Cookies are shared by all ports of a machine: each server has its own name."""
-        host = _host(request.headers.get("Host", ""))
+        host = _host(request)
         return f"viewgauge-{host[1] if host and host[1] else 80}"
 
 
-def _host(header: str) -> tuple[str, int | None] | None:
-    """Name and port of a Host header; None where it is none."""
+def _host(request: Request) -> tuple[str, int | None] | None:
+    """Name and port of the Host header; None where there is not one, or it is none."""
+    headers = request.headers.get_all("Host")
+    if len(headers) != 1:
+        return None
     try:
-        parts = urlsplit(f"//{header}")
+        parts = urlsplit(f"//{headers[0]}")
         return (parts.hostname, parts.port) if parts.hostname else None
     except ValueError:
         return None
@@ -180,6 +187,8 @@ class GuardedServer(viser.ViserServer):
 def _free_port(host: str, port: int) -> int:
     """The port, seen to be free; viser would quietly take the next one, or try for ever."""
     try:
+        if not 0 <= port <= 65535:
+            raise OverflowError("a port is a number from 0 to 65535")
         family, kind, protocol, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
         )[0]

@@ -102,9 +102,8 @@ class Scene:
 
     def clear(self) -> None:
         """Take everything away."""
-        for handle in self._shown.values():
-            handle.remove()
-        self._shown.clear()
+        for name in list(self._shown):
+            self._take_away(name)
         self._frusta.clear()
 
     def show_answers(self, answers: Answers, chosen: str | None, *, names: bool) -> None:
@@ -293,8 +292,11 @@ class Scene:
         self._shown[name] = handle
 
     def _take_away(self, name: str) -> None:
-        for mine in [mine for mine in self._shown if mine == name or mine.startswith(f"{name}/")]:
-            self._shown.pop(mine).remove()
+        handle = self._shown.pop(name, None)
+        for child in [other for other in self._shown if other.startswith(f"{name}/")]:
+            self._shown.pop(child)  # viser takes it away with its parent
+        if handle is not None:
+            handle.remove()
 
 
 def _from_ray(

@@ -7,12 +7,14 @@ import shutil
 import tempfile
 import threading
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from viser._messages import RunJavascriptMessage
 
 from ..exceptions import InputError, ViewgaugeError
 from ..workflow import (
@@ -52,6 +54,12 @@ _CANDIDATES = 1500
 _LOAD_S, _LOAD_BYTES = 300.0, 8 * 2**30
 
 
+def _name_controls(client: viser.ClientHandle) -> None:
+    """What viser's page lacks for keyboards and screen readers; by the way on which viser itself sends plotly.js."""
+    script = files(__package__).joinpath("page.js").read_text(encoding="utf-8")
+    client._websock_connection.queue_message(RunJavascriptMessage(source=script))
+
+
 class Visitor:
     """The state and the page of one visitor.
 
@@ -73,6 +81,7 @@ class Visitor:
         self._held: str | None = None
         self._answers: Answers | None = None
         limit_uploads(client)
+        _name_controls(client)
         self._scene, self._findings = Scene(client), Findings(client)
         self._controls = Controls(client, self._turned)
         client.gui.main_panel.dock_left()

@@ -37,9 +37,11 @@ if TYPE_CHECKING:
     from .improve import improve
     from .inspection import ExplicitSettings, Inspection
     from .job import Job, JobCancelledError, Stage
+    from .laws import gauge_laws
     from .load import load
     from .measure import Measured, measure
     from .plan import plan
+    from .plot import plan_chart, write_chart
     from .progress import Progress, Silent
     from .read_plan import read_plan, require_plan_of
     from .report import plan_report
@@ -94,6 +96,8 @@ _HOME = {
     **dict.fromkeys(("Measured", "measure"), ".measure"),
     "open_executor": ".execution",
     "plan": ".plan",
+    **dict.fromkeys(("plan_chart", "write_chart"), ".plot"),
+    "gauge_laws": ".laws",
     "simulate": ".simulate",
     "specify": ".specify",
     **dict.fromkeys(("Progress", "Silent"), ".progress"),
@@ -153,6 +157,7 @@ __all__ = [
     "evaluate",
     "evaluate_into",
     "figures_of_gauges",
+    "gauge_laws",
     "improve",
     "laws_chart",
     "legend",
@@ -166,6 +171,7 @@ __all__ = [
     "plan",
     "plan_again",
     "plan_archive",
+    "plan_chart",
     "plan_report",
     "pose_from_quaternion",
     "probability_colour",
@@ -187,6 +193,7 @@ __all__ = [
     "view_picture",
     "write_answers",
     "write_calibration",
+    "write_chart",
     "write_evaluation",
     "write_head",
     "write_opencv_camera",

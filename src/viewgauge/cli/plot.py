@@ -1,0 +1,55 @@
+"""``viewgauge plot``: pictures of a plan, one by one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from .options import DONE, PartFile
+from .progress import Bars
+
+__all__ = ["plot"]
+
+
+def plot(
+    file: Path,
+    plan: Path,
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"])],
+    what: Literal["scene", "table", "budget", "laws", "accuracy", "directions"] = "scene",
+    dimension: str | None = None,
+    dark: Annotated[bool, Parameter(negative="")] = False,
+    part: PartFile = None,
+) -> int:
+    """Draw one picture of a plan as an HTML file that needs nothing from outside.
+
+    Parameters
+    ----------
+    file
+        The inspection file (YAML).
+    plan
+        Folder of the plan, as viewgauge plan wrote it.
+    output
+        The picture: .html.
+    what
+        scene (the part, its gauges, the cameras), table (setting x dimension), budget (what the uncertainty comes
+        from); of one dimension laws (of its error), accuracy (how surely which is reached), directions (from where).
+    dimension
+        Its id; the least sure by default.
+    dark
+        Light on dark.
+    """
+    from .. import workflow
+
+    with Bars().stage("Reading the inspection and its part"):
+        inspection = workflow.load(file, part=part)
+    made = workflow.read_plan(plan)
+    workflow.require_plan_of(made, inspection)
+    with Bars().stage("Drawing"):
+        chart = workflow.plan_chart(inspection, made, what, dimension, dark=dark)
+        workflow.write_chart(chart, output, f"{inspection.name}: {what}")
+    print(f"written to {output}")
+    return DONE

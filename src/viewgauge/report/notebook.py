@@ -1,0 +1,191 @@
+"""Plans, laws and tables in notebooks: their pictures as Plotly figures, and themselves in a few words.
+
+``plan.plot()``, ``law.plot()``, ``gauge_laws.plot()`` and ``table.viewgauge.plot()`` come here.
+"""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors.law import Law
+from ..evaluation import GaugeLaws
+from ..geometry import Camera
+from ..part import Part
+from ..planning import Plan
+from .charts import Figure, accuracy_chart, laws_chart, table_chart
+from .charts.style import axis, figure, theme_of
+from .palette import UNMET_COLOUR
+from .scene import build_scene, gauge_scene
+from .summary import verdict
+from .tables import STATUS_WORDS
+from .wording import DASH, element, length, probability
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from plotly.graph_objects import Figure as PlotlyFigure
+
+__all__ = ["described", "plot", "table_figure"]
+
+_POINTS = 401
+_INSIDE = 0.998  # of a law's probability is within its picture
+_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
+
+
+class _Inspected(Protocol):
+    @property
+    def part(self) -> Part: ...
+    @property
+    def camera(self) -> Camera: ...
+
+
+def _drawn(chart: Figure) -> PlotlyFigure:
+    from plotly.graph_objects import Figure as PlotlyFigure
+
+    return PlotlyFigure(chart)
+
+
+@singledispatch
+def plot(shown: object, *_: Any, **__: Any) -> PlotlyFigure:
+    """The picture of something.
+
+    Raises
+    ------
+    TypeError
+        If it has none.
+    """
+    raise TypeError(f"a {type(shown).__name__} has no picture")
+
+
+@plot.register(Plan)
+def _plot_plan(plan: Plan, inspection: _Inspected | None = None) -> PlotlyFigure:
+    """Gauges and cameras in three dimensions, with the part where its inspection is given."""
+    scene = gauge_scene(plan) if inspection is None else build_scene(plan, inspection.part, inspection.camera)[0]
+    return _drawn({"data": [*scene["part"], *scene["cameras"]], "layout": {**scene["layout"], "height": 560}})
+
+
+@plot.register(Law)
+def _plot_law(law: Law, *, name: str = "", dark: bool = False) -> PlotlyFigure:
+    """The density, of each law where the parameters are arrays, in the unit of the parameters."""
+    low, high = (np.asarray(end, dtype=float).ravel() for end in law.interval(_INSIDE))
+    x = np.linspace(low.min(), high.max(), _POINTS)
+    theme = theme_of(dark)
+    shape = np.broadcast_shapes(law.mean().shape)
+    densities = law.pdf(x.reshape(-1, *([1] * len(shape)))).reshape(_POINTS, -1)
+    data = [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "x": x.tolist(),
+            "y": column.tolist(),
+            "name": f"{k}" if densities.shape[1] > 1 else "density",
+            "line": {"width": 2.5, "color": _COLOURS[k % len(_COLOURS)]},
+            "showlegend": densities.shape[1] > 1,
+        }
+        for k, column in enumerate(densities.T)
+    ]
+    title = name or type(law).__name__
+    axes = {"xaxis": axis("error", theme), "yaxis": axis("density", theme, rangemode="tozero")}
+    return _drawn(figure(data, theme, title, **axes))
+
+
+@plot.register(GaugeLaws)
+def _plot_gauge_laws(
+    laws: GaugeLaws,
+    allowed_error_mm: float | None = None,
+    required: float | None = None,
+    *,
+    name: str = "the dimension",
+    dark: bool = False,
+) -> PlotlyFigure:
+    """Densities of the parts of the error; with a required probability how surely which accuracy is reached."""
+    allowed = 2 * laws.standard_uncertainty_mm if allowed_error_mm is None else allowed_error_mm
+    if required is None:
+        return _drawn(laws_chart(name, laws, allowed, dark=dark))
+    return _drawn(accuracy_chart(name, laws, allowed, required, dark=dark))
+
+
+def table_figure(table: xr.Dataset, *, dark: bool = False) -> PlotlyFigure:
+    """The table setting x dimension of :func:`viewgauge.evaluate` as a map of probabilities."""
+    return _drawn(
+        table_chart(
+            [str(name) for name in table.setting.values],
+            [str(name) for name in table.dimension.values],
+            table.probability.values,
+            table.reason.values.astype(str),
+            float(table.attrs["required_probability"]),
+            dark=dark,
+        )
+    )
+
+
+@singledispatch
+def described(shown: object) -> str:
+    """Something in a few words, as HTML that brings its own style and takes the inks of its surroundings."""
+    return element("pre", repr(shown))
+
+
+@described.register(Plan)
+def _described_plan(plan: Plan) -> str:
+    text, good = verdict(plan)
+    settings = "1 setting" if plan.count == 1 else f"{plan.count} settings"
+    head = "".join(
+        element("th", name, style="text-align:left;padding-right:1.5em")
+        for name in ("Dimension", "Nominal", "Status", "Probability", "Setting")
+    )
+    order = list(STATUS_WORDS)
+    ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
+    rows = [
+        (
+            d.id,
+            f"{length(d.nominal_mm)} mm" if d.kind != "angle" else DASH,
+            ("" if d.status == "met" else "✗ ") + STATUS_WORDS[d.status],
+            DASH if d.status == "not_measurable" else probability(d.probability),
+            ", ".join(look.setting for look in d.looks) or d.setting or DASH,
+        )
+        for d in ranked
+    ]
+    body = "".join(
+        element("tr", markup="".join(element("td", cell, style="text-align:left") for cell in row)) for row in rows
+    )
+    mark = element("b", "✓ " if good else "✗ ", style="" if good else f"color:{UNMET_COLOUR}")
+    return element(
+        "div",
+        markup=element("p", markup=mark + element("b", f"{text}, from {settings}"))
+        + element("table", markup=element("thead", markup=element("tr", markup=head)) + element("tbody", markup=body)),
+    )
+
+
+@described.register(Law)
+def _described_law(law: Law) -> str:
+    low, high = law.interval(0.95)
+    facts = (("mean", law.mean()), ("standard deviation", law.std()), ("95 % from", low), ("to", high))
+    return _facts(type(law).__name__, [(name, _number(value)) for name, value in facts])
+
+
+@described.register(GaugeLaws)
+def _described_gauge_laws(laws: GaugeLaws) -> str:
+    facts = [
+        ("gauge", f"{length(laws.length_mm)} mm"),
+        ("u of the error", f"{laws.standard_uncertainty_mm:.3g} mm"),
+        ("by the pose of the head", f"{float(laws.displacement.std()):.3g} mm"),
+        ("by the camera", f"{float(laws.camera.std()):.3g} mm"),
+    ]
+    return _facts("Laws of the error of a dimension", facts)
+
+
+def _facts(title: str, facts: list[tuple[str, str]]) -> str:
+    rows = "".join(
+        element("tr", markup=element("th", name, style="text-align:left") + element("td", value))
+        for name, value in facts
+    )
+    return element("div", markup=element("b", title) + element("table", markup=rows))
+
+
+def _number(value: NDArray[np.float64]) -> str:
+    flat = np.asarray(value, dtype=float).ravel()
+    told = ", ".join(f"{number:.4g}" for number in flat[:4])
+    return told + (f", … ({flat.size})" if flat.size > 4 else "")

@@ -1,0 +1,75 @@
+"""viewgauge plot, as a user calls it."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from box_inspection import refused, write
+
+from viewgauge.cli import main
+
+pytestmark = pytest.mark.usefixtures("planned")
+
+
+@pytest.fixture
+def planned(folder, capsys):
+    assert main(["plan", "inspection.yaml", "-o", "plan", "--no-refine", "--no-prove"]) == 0
+    capsys.readouterr()
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("scene", "scatter3d"),
+        ("table", "heatmap"),
+        ("budget", "share of the variance"),
+        ("laws", "what it is made of"),
+        ("accuracy", "accuracy at least"),
+        ("directions", "from all directions"),
+    ],
+)
+def test_each_picture_is_a_page_that_needs_nothing(capsys, what, told):
+    assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", what]) == 0
+    assert capsys.readouterr().out == "written to out.html\n"
+    page = Path("out.html").read_text(encoding="utf-8")
+    assert "default-src 'none'" in page
+    chart = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1])
+    assert told in json.dumps(chart, ensure_ascii=False)
+
+
+def test_a_dimension_can_be_named():
+    assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", "laws", "--dimension", "heel"]) == 0
+    assert "Error of heel" in Path("out.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["-o", "out.png"], "expected: .html"),
+        (["-o", "out.html", "--what", "laws", "--dimension", "toe"], "expected: heel, width|expected: width, heel"),
+        (["-o", "out.html", "--what", "budget", "--dimension", "heel"], "of all dimensions"),
+    ],
+)
+def test_mistakes_are_told(capsys, arguments, told):
+    assert re.search(told, refused(capsys, "plot", "inspection.yaml", "plan", *arguments))
+
+
+def test_the_plan_of_another_inspection_is_refused(capsys):
+    write(
+        part="""
+  file: box.stl
+  dimensions:
+    - id: other
+      start: [0, 0, 40] mm
+      end: [80, 0, 40] mm
+      tolerance: 0.1 mm"""
+    )
+    assert "of another part" in refused(capsys, "plot", "inspection.yaml", "plan", "-o", "out.html")
+
+
+def test_a_folder_without_a_plan_is_refused(capsys):
+    assert "nowhere: the file does not exist" in refused(capsys, "plot", "inspection.yaml", "nowhere", "-o", "out.html")

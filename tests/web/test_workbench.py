@@ -1,0 +1,338 @@
+"""The workbench as a visitor meets it, in a browser: what it shows is what the API computes."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viewgauge as vg
+from viewgauge.workflow.what_if import WhatIf
+
+pytest.importorskip("viser")
+playwright = pytest.importorskip("playwright.sync_api")
+expect = playwright.expect
+
+WAIT_MS = 30_000
+
+
+class Visit:
+    """A page, and what it said and asked for."""
+
+    def __init__(self, browser, bench, **context):
+        # the picture between the panels is narrow: it is drawn without a GPU
+        self.context = browser.new_context(viewport={"width": 1180, "height": 800}, accept_downloads=True, **context)
+        self.page = self.context.new_page()
+        self.page.set_default_timeout(WAIT_MS)
+        self.errors, self.requests, self.sockets = [], [], []
+        self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("websocket", lambda socket: self.sockets.append(socket.url))
+        self.page.goto(bench.address)
+        expect(self.verdict).to_be_visible(timeout=WAIT_MS)
+        self.close_notifications()  # such as that the browser has no GPU
+
+    def close_notifications(self):
+        """They lie over the page."""
+        close = "for (const b of document.querySelectorAll('.mantine-Notification-closeButton')) b.click()"
+        self.page.evaluate(close)
+
+    def assert_clean(self):
+        """Whatever was done: nothing went to another machine, and the page did not complain."""
+        hosts = {re.match(r"(?:blob:|data:)?(?:\w+://([^/:]+))?", url)[1] for url in self.requests + self.sockets}
+        assert hosts <= {"127.0.0.1", None}
+        assert self.errors == []
+
+    @property
+    def verdict(self):
+        return self.page.locator(".verdict")
+
+    def tab(self, name):
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def rows(self):
+        """Of the table of dimensions: id, probability, from."""
+        found = self.page.locator("table tbody tr").all()
+        cells = [[cell.inner_text() for cell in row.locator("th,td").all()] for row in found]
+        return {row[0].removeprefix("✗ ").strip(): (row[2], row[3]) for row in cells if len(row) == 4}
+
+    def turn(self, label, value):
+        """Type a knob's number, as with the keyboard."""
+        box = self.page.get_by_role("textbox", name=re.compile(label))
+        box.fill(str(value))
+        box.press("Enter")
+
+    def choose(self, dropdown, name):
+        self.page.get_by_role("combobox", name=dropdown).or_(self.page.get_by_label(dropdown, exact=True)).first.click()
+        self.page.get_by_role("option", name=name, exact=True).click()
+
+    def open(self, folder):
+        head = self.page.get_by_role("button", name=folder, exact=True)
+        if head.get_attribute("aria-expanded") != "true":
+            head.press("Enter")
+
+    def download(self, button):
+        with self.page.expect_download(timeout=WAIT_MS) as coming:
+            self.page.get_by_role("button", name=button).click()
+        return coming.value.suggested_filename, Path(coming.value.path()).read_bytes()
+
+    def close(self):
+        self.context.close()
+
+
+@pytest.fixture(scope="module")
+def regular(browser, bench):
+    """One visit for all tests that leave the page as they found it: loading it takes seconds."""
+    visit = Visit(browser, bench)
+    yield visit
+    visit.close()
+
+
+@pytest.fixture
+def visit(regular):
+    """The regular visit with all knobs as the inspection has them."""
+    regular.close_notifications()
+    regular.page.get_by_role("button", name="As the inspection has it").click()
+    regular.tab("Dimensions")
+    yield regular
+    regular.assert_clean()
+
+
+@pytest.fixture
+def first_visit(browser, bench):
+    """For tests that plan, or load another inspection."""
+    visit = Visit(browser, bench)
+    yield visit
+    visit.assert_clean()
+    visit.close()
+
+
+def floor4(probability):
+    return "> 0.9999" if probability > 0.9999 else f"{int(probability * 1e4 + 1e-6) / 1e4:.4f}"
+
+
+def assert_rows(rows, answers):
+    assert set(rows) == {answer.dimension.id for answer in answers.dimensions}
+    for answer in answers.dimensions:
+        shown, origin = rows[answer.dimension.id]
+        if answer.setting is None:
+            assert shown == "–"
+        else:
+            assert (shown, origin) == (floor4(answer.probability), answer.setting)
+
+
+def answers_of(inspection, plan, **knobs):
+    what_if = WhatIf(inspection, plan)
+    return what_if.answers(replace(what_if.today, **knobs))
+
+
+def test_the_page_shows_the_plan(visit, inspection, plan):
+    answers = answers_of(inspection, plan)
+    total = len(answers.dimensions)
+    said = f"All {total} dimensions are met" if answers.met == total else f"{total - answers.met} of {total} dimensions"
+    expect(visit.verdict).to_contain_text(said)
+    assert_rows(visit.rows(), answers)
+    expect(visit.page.get_by_role("img", name=re.compile("Colours from 0"))).to_be_visible()
+    assert visit.page.locator("canvas").count() >= 1
+
+
+def test_a_chosen_dimension_shows_its_laws_by_both_models(visit, inspection, plan):
+    visit.tab("Dimension")
+    name = inspection.part.dimensions[4].id
+    visit.choose("Dimension", name)
+    facts = visit.page.locator(".vg table", has_text="joint model")
+    (answer,) = [a for a in answers_of(inspection, plan).dimensions if a.dimension.id == name]
+    expect(facts).to_contain_text(answer.setting)
+    row = visit.page.locator("tr", has_text="Probability, joint model")
+    expect(row).to_contain_text(floor4(answer.probability))
+    laws = vg.gauge_laws(inspection, plan)[name]
+    independent = float(laws.independent_probability(answer.allowed_error_mm))
+    expect(visit.page.locator("tr", has_text="model of 1998")).to_contain_text(floor4(independent))
+    for heading in (f"Error of {name}", f"How surely {name}", f"uncertainty of {name}", f"{name} from all directions"):
+        expect(visit.page.locator(".gtitle", has_text=heading)).to_be_attached()
+
+
+def test_a_chosen_setting_shows_its_view_and_what_it_does_not_see(visit, inspection, plan):
+    visit.tab("Setting")
+    name = plan.settings[-1].id
+    if plan.count > 1:
+        visit.choose("Setting", name)
+    table = vg.evaluate(inspection, np.array([s.T_part_camera for s in plan.settings]))
+    visible = table.visible.values[-1]
+    view = visit.page.get_by_role("img", name=re.compile(f"Simulated view of {name}"))
+    expect(view).to_have_attribute("aria-label", re.compile(f"{visible.sum()} dimensions visible"))
+    assert view.locator("line").count() == 2 * visible.sum()
+    told = visit.page.locator("table", has_text="Not visible from here")
+    for dimension in table.dimension.values[~visible]:
+        expect(told).to_contain_text(str(dimension))
+
+
+def test_a_turned_knob_changes_the_numbers_and_back(visit, inspection, plan):
+    before = answers_of(inspection, plan)
+    after = answers_of(inspection, plan, translation_mm=0.3)
+    assert after.met < before.met
+    visit.turn("translation", 0.3)
+    expect(visit.verdict).to_contain_text(f"{len(after.dimensions) - after.met} of {len(after.dimensions)} dimensions")
+    expect(visit.page.locator("table tbody tr", has_text=re.compile(r"^\s*✗")).first).to_be_visible()
+    assert_rows(visit.rows(), after)
+    visit.page.get_by_role("button", name="As the inspection has it").click()
+    expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(before.weakest.probability))
+    assert_rows(visit.rows(), before)
+
+
+def test_a_slider_is_turned_by_the_keyboard(visit, inspection, plan):
+    """Tab reaches it, arrow keys turn it."""
+    weakest = floor4(answers_of(inspection, plan).weakest.probability)
+    slider = visit.page.get_by_role("slider", name="Edge location / px")
+    slider.focus()
+    for _ in range(12):
+        visit.page.keyboard.press("ArrowRight")
+    expect(visit.page.locator(".card", has_text="Weakest")).not_to_contain_text(weakest)
+
+
+def test_planning_again_can_be_ended_and_then_done(first_visit, inspection):
+    visit = first_visit
+    knobs = {"translation_mm": 0.12, "required": 0.997}  # an easy one, which is planned in a moment
+    replan, cancel = (visit.page.get_by_role("button", name=name) for name in ("Plan again", "Cancel planning"))
+    visit.turn("translation", 0.12)
+    visit.turn("Accuracy", 99.7)
+    replan.click()
+    cancel.click()
+    expect(visit.page.get_by_text("All is as it was.")).to_be_visible()
+    expect(replan).to_be_enabled()
+    replan.click()
+    expect(cancel).to_be_visible()
+    expect(cancel).to_be_hidden(timeout=4 * WAIT_MS)
+    what_if = WhatIf(inspection, None)
+    again = vg.plan(what_if.turned(replace(what_if.today, **knobs)))
+    expect(visit.page.locator(".card", has_text="Settings")).to_contain_text(str(again.count))
+    answers = answers_of(inspection, again, **knobs)
+    expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(answers.weakest.probability))
+    assert_rows(visit.rows(), answers)
+
+
+def test_files_that_are_saved_are_the_apis(visit, inspection, plan, tmp_path):
+    visit.open("Files")
+    name, content = visit.download("Save the settings (CSV)")
+    assert name == "settings.csv"
+    (tmp_path / name).write_bytes(content)
+    table = vg.evaluate(inspection, tmp_path / name)
+    assert list(table.setting.values) == [setting.id for setting in plan.settings]
+
+    name, content = visit.download("Save the plan (ZIP)")
+    vg.write_plan(plan, inspection, tmp_path / "plan")
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert archive.namelist() == ["assignments.csv", "plan.json", "report.html", "settings.csv"]
+        for file in archive.namelist():
+            assert archive.read(file) == (tmp_path / "plan" / file).read_bytes()
+
+    name, content = visit.download("Save the report (HTML)")
+    assert content == (tmp_path / "plan" / "report.html").read_bytes()
+
+    visit.turn("Focal", 20)
+    name, content = visit.download("Save the inspection (YAML)")
+    assert "focal_length: 20 mm" in content.decode()
+
+
+def test_an_inspection_is_loaded_and_planned(first_visit, project, tmp_path):
+    """Its part is the project's, which it names; its plan is for its own requirement."""
+    visit = first_visit
+    text = (project / "inspection.yaml").read_text(encoding="utf-8")
+    (tmp_path / "mine.yaml").write_text(text.replace("accuracy: 0.999 ", "accuracy: 0.997 "), encoding="utf-8")
+    visit.open("Files")
+    with visit.page.expect_file_chooser() as chooser:
+        visit.page.get_by_role("button", name="Load an inspection file").click()
+    chooser.value.set_files(tmp_path / "mine.yaml")
+    expect(visit.page.get_by_text("mine.yaml is loaded")).to_be_visible(timeout=2 * WAIT_MS)
+    visit.page.get_by_role("button", name="Plan again").click()
+    expect(visit.verdict).to_contain_text("All 15 dimensions are met", timeout=4 * WAIT_MS)
+    expect(visit.page.get_by_text("accuracy of at least 0.997")).to_be_visible()
+
+
+def test_files_that_cannot_be_used_are_refused_with_words(visit, tmp_path):
+    secret = tmp_path / "secret.yaml"
+    secret.write_text("covariance: hidden words\n")
+    visit.open("Files")
+    for name, content, told in (
+        ("evil.yaml", f"part:\n  file: {secret}\ncamera: {{}}\n", "outside the project's folder"),
+        ("broken.yaml", "camera: [", "not valid YAML"),
+        ("page.html", "<script>alert(1)</script>", "this kind of file is not taken"),
+    ):
+        (tmp_path / name).write_text(content)
+        with visit.page.expect_file_chooser() as chooser:
+            visit.page.get_by_role("button", name="Load an inspection file").click()
+        chooser.value.set_files(tmp_path / name)
+        expect(visit.page.get_by_role("alert").filter(has_text=told).first).to_be_visible(timeout=2 * WAIT_MS)
+    assert "hidden words" not in visit.page.content()
+
+
+def test_visitors_do_not_see_each_other(browser, bench, visit, inspection, plan):
+    other = Visit(browser, bench)
+    try:
+        visit.turn("translation", 0.35)
+        mine = answers_of(inspection, plan, translation_mm=0.35)
+        expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(mine.weakest.probability))
+        assert_rows(visit.rows(), mine)
+        other.tab("Setting")
+        other.tab("Dimensions")
+        assert_rows(other.rows(), answers_of(inspection, plan))
+    finally:
+        other.close()
+
+
+def test_the_dark_page_is_dark(visit):
+    visit.open("Show")
+    visit.page.get_by_label("Dark page").check()
+    visit.tab("Dimension")
+    chart = visit.page.locator(".js-plotly-plot .main-svg").first
+    expect(chart).to_have_css("background-color", "rgb(18, 24, 31)")
+    visit.page.get_by_label("Dark page").uncheck()
+    expect(chart).to_have_css("background-color", "rgb(255, 255, 255)")
+
+
+def test_every_control_has_a_name(visit):
+    """For a screen reader: by the accessibility tree, not by how it looks."""
+    visit.open("Show")
+    visit.open("Files")
+    for role in ("button", "checkbox", "tab", "slider", "textbox"):
+        controls = visit.page.get_by_role(role).all()
+        assert controls
+        for control in controls:
+            assert re.search(rf'{role} "[^"]+"', control.aria_snapshot()), control.aria_snapshot()
+
+
+def test_a_page_that_lost_nothing_is_still_there_after_reloading(first_visit, inspection, plan):
+    visit = first_visit
+    visit.page.reload()
+    expect(visit.verdict).to_be_visible(timeout=WAIT_MS)
+    assert_rows(visit.rows(), answers_of(inspection, plan))
+
+
+def test_the_first_visitor_sees_the_part_while_it_is_planned(browser, project, inspection):
+    from viewgauge.web import open_workbench
+
+    served = open_workbench(project / "inspection.yaml", inspection, None, port=0)
+    try:
+        context = browser.new_context()
+        page = context.new_page()
+        page.goto(served.address)
+        expect(page.locator("tr", has_text="no setting yet").first.or_(page.locator(".verdict"))).to_be_visible(
+            timeout=WAIT_MS
+        )
+        expect(page.locator(".verdict")).to_be_visible(timeout=4 * WAIT_MS)
+        context.close()
+    finally:
+        served.close()
+
+
+def test_data_of_the_page_is_json_without_nan(inspection, plan):
+    """What viser sends as charts must be readable by any browser."""
+    chart = vg.plan_chart(inspection, plan, "directions")
+    assert json.loads(json.dumps(chart, allow_nan=False))
