@@ -8,16 +8,19 @@ import re
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import viewgauge as vg
+from viewgauge.geometry import quaternion_from_pose
 from viewgauge.workflow.what_if import WhatIf
 
 pytest.importorskip("viser")
 playwright = pytest.importorskip("playwright.sync_api")
 expect = playwright.expect
+MOST_BYTES = 64 * 2**20
 
 WAIT_MS = 30_000
 
@@ -62,6 +65,13 @@ class Visit:
         found = self.page.locator("table tbody tr").all()
         cells = [[cell.inner_text() for cell in row.locator("th,td").all()] for row in found]
         return {row[0].removeprefix("✗ ").strip(): (row[2], row[3]) for row in cells if len(row) == 4}
+
+    def expect_rows(self, answers):
+        """The table comes to show these answers."""
+        for answer in answers.dimensions:
+            cells = self.page.locator("tr", has=self.page.get_by_role("rowheader", name=row_name(answer), exact=True))
+            expect(cells.first).to_contain_text(floor4(answer.probability) if answer.setting else "–")
+        assert_rows(self.rows(), answers)
 
     def turn(self, label, value):
         """Type a knob's number, as with the keyboard."""
@@ -114,6 +124,10 @@ def first_visit(browser, bench):
     visit.close()
 
 
+def row_name(answer):
+    return ("" if answer.met else "✗ ") + answer.dimension.id
+
+
 def floor4(probability):
     return "> 0.9999" if probability > 0.9999 else f"{int(probability * 1e4 + 1e-6) / 1e4:.4f}"
 
@@ -138,7 +152,7 @@ def test_the_page_shows_the_plan(visit, inspection, plan):
     total = len(answers.dimensions)
     said = f"All {total} dimensions are met" if answers.met == total else f"{total - answers.met} of {total} dimensions"
     expect(visit.verdict).to_contain_text(said)
-    assert_rows(visit.rows(), answers)
+    visit.expect_rows(answers)
     expect(visit.page.get_by_role("img", name=re.compile("Colours from 0"))).to_be_visible()
     assert visit.page.locator("canvas").count() >= 1
 
@@ -180,11 +194,9 @@ def test_a_turned_knob_changes_the_numbers_and_back(visit, inspection, plan):
     assert after.met < before.met
     visit.turn("translation", 0.3)
     expect(visit.verdict).to_contain_text(f"{len(after.dimensions) - after.met} of {len(after.dimensions)} dimensions")
-    expect(visit.page.locator("table tbody tr", has_text=re.compile(r"^\s*✗")).first).to_be_visible()
-    assert_rows(visit.rows(), after)
+    visit.expect_rows(after)
     visit.page.get_by_role("button", name="As the inspection has it").click()
-    expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(before.weakest.probability))
-    assert_rows(visit.rows(), before)
+    visit.expect_rows(before)
 
 
 def test_a_slider_is_turned_by_the_keyboard(visit, inspection, plan):
@@ -213,9 +225,7 @@ def test_planning_again_can_be_ended_and_then_done(first_visit, inspection):
     what_if = WhatIf(inspection, None)
     again = vg.plan(what_if.turned(replace(what_if.today, **knobs)))
     expect(visit.page.locator(".card", has_text="Settings")).to_contain_text(str(again.count))
-    answers = answers_of(inspection, again, **knobs)
-    expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(answers.weakest.probability))
-    assert_rows(visit.rows(), answers)
+    visit.expect_rows(answers_of(inspection, again, **knobs))
 
 
 def test_files_that_are_saved_are_the_apis(visit, inspection, plan, tmp_path):
@@ -278,13 +288,50 @@ def test_visitors_do_not_see_each_other(browser, bench, visit, inspection, plan)
     try:
         visit.turn("translation", 0.35)
         mine = answers_of(inspection, plan, translation_mm=0.35)
-        expect(visit.page.locator(".card", has_text="Weakest")).to_contain_text(floor4(mine.weakest.probability))
-        assert_rows(visit.rows(), mine)
+        visit.expect_rows(mine)
         other.tab("Setting")
         other.tab("Dimensions")
-        assert_rows(other.rows(), answers_of(inspection, plan))
+        other.expect_rows(answers_of(inspection, plan))
     finally:
         other.close()
+
+
+def test_a_dragged_camera_takes_everything_with_it(visit, bench, inspection, plan):
+    """The handle in the picture is moved as viser moves it when it is dragged with the mouse."""
+    visit.open("Show")
+    visit.page.get_by_label("Drag the chosen setting").check()
+    (visitor,) = bench._visitors.values()
+    for _ in range(100):
+        if visitor._held is not None:
+            break
+        visit.page.wait_for_timeout(50)
+    name = visitor._held
+    planned = {setting.id: setting.T_part_camera for setting in plan.settings}[name]
+    pose = planned.copy()
+    pose[:3, 3] += [14.0, 11.0, -16.0]
+    what_if = WhatIf(inspection, plan)
+    moved, still = what_if.answers(what_if.today, {name: pose}), what_if.answers(what_if.today)
+    assert [a.probability for a in moved.dimensions] != [a.probability for a in still.dimensions]
+    visitor._moved(name, SimpleNamespace(**pose_parts(pose)))
+    visit.expect_rows(moved)
+    visitor._moved(name, SimpleNamespace(**pose_parts(planned)))
+    visit.expect_rows(still)
+    visit.page.get_by_label("Drag the chosen setting").uncheck()
+
+
+def pose_parts(pose):
+    return {"position": pose[:3, 3], "wxyz": quaternion_from_pose(pose)}
+
+
+def test_a_file_that_is_too_large_is_not_taken(visit, tmp_path):
+    large = tmp_path / "large.stl"
+    with large.open("wb") as stream:
+        stream.truncate(MOST_BYTES + 1)
+    visit.open("Files")
+    with visit.page.expect_file_chooser() as chooser:
+        visit.page.get_by_role("button", name="Send a part or another named file").click()
+    chooser.value.set_files(large)
+    expect(visit.page.get_by_text("large.stl is larger than 64 MB")).to_be_visible()
 
 
 def test_the_dark_page_is_dark(visit):
@@ -312,7 +359,7 @@ def test_a_page_that_lost_nothing_is_still_there_after_reloading(first_visit, in
     visit = first_visit
     visit.page.reload()
     expect(visit.verdict).to_be_visible(timeout=WAIT_MS)
-    assert_rows(visit.rows(), answers_of(inspection, plan))
+    visit.expect_rows(answers_of(inspection, plan))
 
 
 def test_the_first_visitor_sees_the_part_while_it_is_planned(browser, project, inspection):

@@ -18,6 +18,7 @@ from ..workflow import (
     probability_colour,
     quaternion_from_pose,
 )
+from .picking import APEX_TO_BASE, picked
 
 __all__ = ["Scene", "rgb"]
 
@@ -156,7 +157,7 @@ class Scene:
                             f"/settings/{name}",
                             fov,
                             aspect,
-                            scale=0.16 * self._size_mm,
+                            scale=APEX_TO_BASE * self._size_mm,
                             thickness=5.0 if name == chosen else 2.5,
                             thickness_units="screen",
                             color=rgb(colours[name]),
@@ -232,19 +233,8 @@ class Scene:
     def picked(
         self, answers: Answers, origin: NDArray[np.float64], direction: NDArray[np.float64]
     ) -> tuple[str, str] | None:
-        """What a click means: ("dimension", id) or ("setting", id), the nearest to its ray; None for nothing near."""
-        best, found = 0.04 * self._size_mm, None
-        for answer in answers.dimensions:
-            points = np.linspace(answer.gauge.start, answer.gauge.end, 9)
-            apart = _from_ray(points, origin, direction).min()
-            if apart < best:
-                best, found = float(apart), ("dimension", answer.dimension.id)
-        for name, T in answers.settings.items():
-            points = T[:3, 3] + np.outer([0.0, 0.08 * self._size_mm, 0.16 * self._size_mm], T[:3, 2])
-            apart = _from_ray(points, origin, direction).min()
-            if apart < min(best, 0.06 * self._size_mm):
-                best, found = float(apart), ("setting", name)
-        return found
+        """What a click along a ray means (:func:`~viewgauge.web.picking.picked`)."""
+        return picked(answers, self._size_mm, origin, direction)
 
     def _lines(
         self,
@@ -297,12 +287,3 @@ class Scene:
             self._shown.pop(child)  # viser takes it away with its parent
         if handle is not None:
             handle.remove()
-
-
-def _from_ray(
-    points: NDArray[np.float64], origin: NDArray[np.float64], direction: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """``(n,)``: distances of points ``(n, 3)`` from a ray; infinite behind its origin."""
-    along = (points - origin) @ direction
-    apart = np.linalg.norm(points - origin - along[:, None] * direction, axis=1)
-    return np.asarray(np.where(along > 0, apart, np.inf))

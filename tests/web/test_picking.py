@@ -1,0 +1,50 @@
+"""Clicks on gauges and cameras find them; clicks beside them find nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from viewgauge.web.picking import picked
+from viewgauge.workflow.what_if import WhatIf
+
+
+@pytest.fixture(scope="module")
+def answers(inspection, plan):
+    what_if = WhatIf(inspection, plan)
+    return what_if.answers(what_if.today)
+
+
+def ray(eye, at):
+    direction = (at - eye) / np.linalg.norm(at - eye)
+    return np.asarray(eye, dtype=float), direction
+
+
+def size_of(inspection):
+    return float(np.linalg.norm(np.diff(inspection.part.mesh.bounds, axis=0)))
+
+
+def test_a_click_on_a_gauge_finds_its_dimension(answers, inspection):
+    eye = np.array([300.0, -400.0, 350.0])
+    found = 0
+    for answer in answers.dimensions:
+        at = 0.3 * answer.gauge.start + 0.7 * answer.gauge.end
+        kind, name = picked(answers, size_of(inspection), *ray(eye, at))
+        assert kind == "dimension"
+        found += name == answer.dimension.id  # another gauge may pass by there as closely
+    assert found >= 0.7 * len(answers.dimensions)
+
+
+def test_a_click_on_a_camera_finds_its_setting(answers, inspection):
+    for name, T in answers.settings.items():
+        eye = T[:3, 3] + [500.0, 200.0, -100.0]
+        assert picked(answers, size_of(inspection), *ray(eye, T[:3, 3] + 5 * T[:3, 2])) == ("setting", name)
+
+
+def test_a_click_beside_everything_finds_nothing(answers, inspection):
+    eye = np.array([300.0, -400.0, 350.0])
+    assert picked(answers, size_of(inspection), *ray(eye, eye + np.array([0.0, 0.0, 100.0]))) is None
+    middle = answers.dimensions[0].gauge.start
+    assert picked(answers, size_of(inspection), *ray(eye, 2 * eye - middle)) is None  # behind the eye
