@@ -19,6 +19,7 @@ from ..workflow import (
     quaternion_from_pose,
 )
 from .picking import APEX_TO_BASE, picked
+from .tone import before_tone_curve
 
 __all__ = ["Scene", "rgb"]
 
@@ -120,7 +121,7 @@ class Scene:
             if names or answer.dimension.id == chosen:
                 mark = "" if answer.met else "✗ "
                 labels.append((mark + answer.dimension.id, ends.mean(axis=0)))
-        widths = {"met": 4.5, "unmet": 8.0, "unseen": 3.0}
+        widths = {"met": 5.0, "unmet": 9.0, "unseen": 3.0}
         with self._client.atomic():
             for group, gauges in groups.items():
                 segments = np.array([ends for ends, _ in gauges]) if gauges else None
@@ -183,7 +184,7 @@ class Scene:
                 faces,
                 np.array([quaternion_from_pose(T) for T in poses]),
                 poses[:, :3, 3],
-                batched_colors=colours,
+                batched_colors=before_tone_curve(colours, of_vertices=True),
                 flat_shading=True,
                 side="double",
                 opacity=0.65,
@@ -246,9 +247,9 @@ class Scene:
         if segments is None:
             self._take_away(name)
         else:
-            self._put(
-                name, self._scene.add_line_segments(name, segments, colours, thickness=width, thickness_units="screen")
-            )
+            drawn = before_tone_curve(np.asarray(colours, dtype=np.uint8), of_vertices=np.ndim(colours) > 1)
+            handle = self._scene.add_line_segments(name, segments, drawn, thickness=width, thickness_units="screen")
+            self._put(name, handle)
 
     def _ends(self, name: str, gauges: list[tuple[NDArray[np.float64], str]], size: float) -> None:
         if not gauges:
@@ -256,6 +257,7 @@ class Scene:
             return
         vertices, faces = _OCTAHEDRON
         places = np.concatenate([ends for ends, _ in gauges])
+        colours = np.array([rgb(colour) for _, colour in gauges for _ in range(2)], dtype=np.uint8)
         self._put(
             name,
             self._scene.add_batched_meshes_simple(
@@ -264,7 +266,7 @@ class Scene:
                 faces,
                 np.tile([1.0, 0.0, 0.0, 0.0], (len(places), 1)),
                 places,
-                batched_colors=np.array([rgb(colour) for _, colour in gauges for _ in range(2)], dtype=np.uint8),
+                batched_colors=before_tone_curve(colours, of_vertices=True),
                 flat_shading=True,
                 cast_shadow=False,
                 lod="off",

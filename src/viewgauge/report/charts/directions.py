@@ -37,7 +37,7 @@ def directions_chart(
     theme = theme_of(dark)
     seen = found.reason == ""
     places = _projected(found.directions)
-    size = 330.0 / np.sqrt(len(places))
+    size = 380.0 / np.sqrt(len(places))
     told = [_told(*row) for row in zip(found.directions, found.probability, found.reason, strict=True)]
     data = []
     for where, words, marker in (
