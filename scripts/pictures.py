@@ -70,9 +70,12 @@ def visited(browser: Browser, path: Path, inspection: vg.Inspection, plan: vg.Pl
         bench.close()
 
 
-def folder(page: Page, name: str) -> None:
+def folder(page: Page, name: str, *, opened: bool = True) -> None:
     """Open or close a folder of controls."""
-    page.get_by_role("button", name=name, exact=True).click()
+    head = page.get_by_role("button", name=name, exact=True)
+    if head.get_attribute("aria-expanded") != str(opened).lower():
+        head.click()
+        page.wait_for_timeout(500)
 
 
 def choose(page: Page, dropdown: str, name: str) -> None:
@@ -94,13 +97,13 @@ def shoot_block(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> N
         folder(page, "Show")
         page.get_by_label("Names of the dimensions").check()
         page.get_by_role("button", name="the part").click()
-        folder(page, "Show")
+        folder(page, "Show", opened=False)
         page.get_by_role("tab", name="Dimension", exact=True).click()
         choose(page, "Dimension", "E7")
         page.wait_for_timeout(3000)
         save(page.screenshot(), "workbench.png")
         turn(page, "Head: translation / mm", "0.13")
-        folder(page, "What if …")
+        folder(page, "What if …", opened=False)
         folder(page, "Show")
         page.get_by_role("button", name="all", exact=True).click()
         for switch in ("Directions of the chosen dimension", "Dark page"):
@@ -124,7 +127,7 @@ def shoot_ctc_02(browser: Browser, steps: Path) -> None:
             folder(page, "Show")
             page.get_by_label("See through the part").check()
             page.get_by_role("button", name="the part").click()
-            folder(page, "Show")
+            folder(page, "Show", opened=False)
             page.get_by_role("tab", name="Dimension", exact=True).click()
             choose(page, "Dimension", "Linear Size.3")
             page.get_by_role("tab", name="Setting", exact=True).click()

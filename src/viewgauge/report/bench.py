@@ -91,7 +91,7 @@ def legend(required: float) -> str:
         element("span", class_="swatch", style=f"background:{UNMET_COLOUR};transform:rotate(45deg)")
         + "not met: thick, with a diamond &ensp; "
         + element("span", class_="swatch", style=f"background:{UNSEEN_COLOUR}")
-        + "not seen"
+        + "not seen, with a red diamond"
     )
     ends = element("span", "0") + element("span", f"{required:g} required") + element("span", "1")
     return _piece(

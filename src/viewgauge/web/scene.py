@@ -44,6 +44,7 @@ class Scene:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client, self._scene = client, client.scene
         self._scene.set_up_direction("+z")
+        self._scene.configure_default_lights(cast_shadow=False)
         self._size_mm, self._centre = 1.0, np.zeros(3)
         self._frusta: dict[str, Any] = {}
         self._shown: dict[str, Any] = {}
@@ -55,7 +56,7 @@ class Scene:
         low, high = inspection.part.mesh.bounds
         self._size_mm, centre = float(np.linalg.norm(high - low)), (low + high) / 2
         surface = self._scene.add_mesh_simple(
-            "/part", mesh.vertices, mesh.triangles, color=_PART, flat_shading=True, side="double"
+            "/part", mesh.vertices, mesh.triangles, color=_PART, flat_shading=True, side="double", cast_shadow=False
         )
         self._put("/part", surface)
         pieces = [np.stack([line[:-1], line[1:]], axis=1) for line in inspection.part.feature_lines if len(line) > 1]
@@ -121,13 +122,14 @@ class Scene:
             if names or answer.dimension.id == chosen:
                 mark = "" if answer.met else "✗ "
                 labels.append((mark + answer.dimension.id, ends.mean(axis=0)))
-        widths = {"met": 5.0, "unmet": 9.0, "unseen": 3.0}
+        widths = {"met": 5.0, "unmet": 9.0, "unseen": 7.0}
         with self._client.atomic():
             for group, gauges in groups.items():
                 segments = np.array([ends for ends, _ in gauges]) if gauges else None
                 colours = np.array([[rgb(colour)] * 2 for _, colour in gauges], dtype=np.uint8)
                 self._lines(f"/gauges/{group}", segments, colours, widths[group])
-                self._ends(f"/gauges/{group}_ends", gauges, 0.008 if group == "met" else 0.013)
+                marked = [(ends, _UNMET) for ends, _ in gauges] if group == "unseen" else gauges
+                self._ends(f"/gauges/{group}_ends", marked, 0.008 if group == "met" else 0.013)
             self._halo(answers, chosen)
             self._labels(labels[:_LABELS])
 

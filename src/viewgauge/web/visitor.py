@@ -89,7 +89,7 @@ class Visitor:
         self._refresher = Refresher(
             {
                 "answers": self._answer,
-                "table": self._show_table,
+                "scene": self._show_scene,
                 "setting": self._show_setting,
                 "dimension": self._show_dimension,
                 "candidates": self._show_candidates,
@@ -145,7 +145,7 @@ class Visitor:
             self._scene.see_through(self._controls.see_through.value)
             self._scene.look_at_all(self._what_if.settings(self._today))
             self._offer()
-        self._refresher.ask("answers", "table", "setting", "dimension", "candidates")
+        self._refresher.ask("answers", "setting", "dimension", "candidates")
 
     def _offer(self) -> None:
         settings = [] if self._plan_made is None else [setting.id for setting in self._plan_made.settings]
@@ -161,7 +161,7 @@ class Visitor:
             self._scene.look_at_all(self._what_if.settings(self._today))
             self._offer()
             self._hold()
-        self._refresher.ask("answers", "table", "setting", "dimension")
+        self._refresher.ask("answers", "setting", "dimension")
 
     def _first_plan(self, outcome: Plan | Stage | ViewgaugeError) -> None:
         """Of the plan that all visitors begin with: how far it is, or what became of it."""
@@ -189,18 +189,19 @@ class Visitor:
             except InputError as error:
                 self._controls.verdict.content = message(str(error), bad=True)
                 return
-            chosen, setting = self._findings.chosen_dimension, self._findings.chosen_setting
             if answers.settings or self._job is None:
                 self._controls.verdict.content = verdict_markup(answers, self._inspection.requirement)
             self._controls.legend.content = legend(answers.requirement.probability)
-            self._scene.show_answers(answers, chosen, names=self._controls.names.value)
-            self._scene.show_settings(answers, setting)
-        self._refresher.ask("table")
+            self._findings.show_table(self._what_if, answers, dark=self._controls.dark.value)
+            self._client.flush()  # the numbers before the picture, which takes a browser longer
+        self._refresher.ask("scene")
 
-    def _show_table(self) -> None:
+    def _show_scene(self) -> None:
         answers = self._now()
         if answers is not None:
-            self._findings.show_table(self._what_if, answers, dark=self._controls.dark.value)
+            chosen, setting = self._findings.chosen_dimension, self._findings.chosen_setting
+            self._scene.show_answers(answers, chosen, names=self._controls.names.value)
+            self._scene.show_settings(answers, setting)
 
     def _show_dimension(self) -> None:
         answers, chosen = self._now(), self._findings.chosen_dimension
@@ -242,7 +243,7 @@ class Visitor:
         )
         self._controls.style.content = bench_style(DARK if dark else LIGHT)
         if hasattr(self, "_inspection"):
-            self._refresher.ask("answers", "table", "setting", "dimension")
+            self._refresher.ask("answers", "setting", "dimension")
 
     def _failed(self, error: Exception) -> None:
         if not self._closed:
