@@ -7,6 +7,7 @@
     │   ├── InspectionFileError             the inspection file (YAML)
     │   ├── PartFileError                   the CAD file or mesh
     │   └── SettingsFileError               the file of explicit camera poses (CSV)
+    ├── JobCancelledError                   somebody ended the work, such as a plan in the workbench
     └── NoCandidateError                    nothing is left to plan with; exit code 2
 
 An :class:`InputError` says what was found, what was expected, where, and what to do about it.
@@ -19,6 +20,7 @@ from os import PathLike
 __all__ = [
     "InputError",
     "InspectionFileError",
+    "JobCancelledError",
     "NoCandidateError",
     "PartFileError",
     "SettingsFileError",
@@ -28,6 +30,10 @@ __all__ = [
 
 class ViewgaugeError(Exception):
     """Base of all errors raised by viewgauge on purpose."""
+
+
+class JobCancelledError(ViewgaugeError):
+    """Somebody ended the work."""
 
 
 class InputError(ViewgaugeError, ValueError):

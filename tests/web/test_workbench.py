@@ -12,12 +12,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 
 import viewgauge as vg
 from viewgauge.geometry import quaternion_from_pose
 from viewgauge.workflow.what_if import WhatIf
 
 pytest.importorskip("viser")
+
+from viewgauge.web import open_workbench
+
 playwright = pytest.importorskip("playwright.sync_api")
 expect = playwright.expect
 MOST_BYTES = 64 * 2**20
@@ -363,9 +367,8 @@ def test_a_page_that_lost_nothing_is_still_there_after_reloading(first_visit, in
 
 
 def test_the_first_visitor_sees_the_part_while_it_is_planned(browser, project, inspection):
-    from viewgauge.web import open_workbench
-
-    served = open_workbench(project / "inspection.yaml", inspection, None, port=0)
+    easy = replace(inspection, requirement=vg.Requirement("accuracy", 0.997, 0.95))
+    served = open_workbench(project / "inspection.yaml", easy, None, port=0)
     try:
         context = browser.new_context()
         page = context.new_page()
@@ -376,6 +379,27 @@ def test_the_first_visitor_sees_the_part_while_it_is_planned(browser, project, i
         expect(page.locator(".verdict")).to_be_visible(timeout=4 * WAIT_MS)
         context.close()
     finally:
+        served.close()
+
+
+def test_a_part_without_a_dimension_to_measure_says_so(browser, tmp_path):
+    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export(tmp_path / "box.stl")
+    (tmp_path / "inspection.yaml").write_text(
+        "part:\n  file: box.stl\n  dimensions:\n    - {id: width, start: '[0, 0, 40] mm', end: '[80, 0, 40] mm'}\n"
+        "camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}\n"
+        "head: {translation: 0.1 mm, rotation: 0.02 deg}\n"
+        "requirement: {fraction_of_tolerance: 10 %, probability: 0.95}\n"
+    )
+    inspection = vg.load(tmp_path / "inspection.yaml")
+    served = open_workbench(tmp_path / "inspection.yaml", inspection, port=0)
+    context = browser.new_context()
+    try:
+        page = context.new_page()
+        page.goto(served.address)
+        expect(page.get_by_role("alert").filter(has_text="No dimension").first).to_be_visible(timeout=WAIT_MS)
+        expect(page.get_by_text("it has no tolerance")).to_be_visible()
+    finally:
+        context.close()
         served.close()
 
 

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from viewgauge.exceptions import InputError, ViewgaugeError
-from viewgauge.workflow import Job, JobCancelledError
+from viewgauge.exceptions import InputError, JobCancelledError, ViewgaugeError
+from viewgauge.workflow import Job
 
 
 def adds(progress, a, b):

@@ -181,6 +181,16 @@ def test_a_value_out_of_range_is_refused_with_words(what_if):
         what_if.answers(replace(what_if.today, required=1.0))
 
 
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("distance", 0.0), ("distance", np.nan), ("focal_length_mm", -1.0), ("pixel_pitch_mm", np.inf), ("edge_px", -0.1)],
+)
+def test_knobs_stand_at_numbers_that_there_are(what_if, field, value):
+    with pytest.raises(vg.InputError) as caught:
+        replace(what_if.today, **{field: value})
+    assert caught.value.key == field
+
+
 def test_requirements_by_other_figures_stay(inspection):
     from viewgauge.evaluation import CapabilityRequirement
 

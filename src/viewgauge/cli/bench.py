@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import threading
+import warnings
 import webbrowser
 from pathlib import Path
 from typing import Annotated
@@ -60,6 +61,8 @@ def workbench(
         if made is not None:
             workflow.require_plan_of(made, inspection)
     logging.getLogger("websockets").setLevel(logging.CRITICAL)
+    # of what was on its way to a page that has been closed
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     bench = open_workbench(file, inspection, made, host=host, port=port)
     print(f"the workbench is at {bench.address}  (Ctrl-C ends it)", flush=True)
     if browser and sys.stdout.isatty():

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import Requirement
+from ..exceptions import InputError
 from ..geometry import Camera, PoseError
 from .knobs import KNOBS, SetUp, scaled_head
 
@@ -36,6 +37,11 @@ class KnobValues:
         figures, which stay as they are.
     probability
         Required (the paper's Th).
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or negative, or nought where it cannot be.
     """
 
     pixel_pitch_mm: float
@@ -46,6 +52,16 @@ class KnobValues:
     rotation_rad: float
     required: float | None
     probability: float
+
+    def __post_init__(self) -> None:
+        for name in ("pixel_pitch_mm", "focal_length_mm", "distance"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError("must be a finite positive number", key=name, got=value)
+        for name in ("edge_px", "translation_mm", "rotation_rad"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise InputError("must be finite and not negative", key=name, got=value)
 
     @classmethod
     def of(cls, camera: Camera, head: PoseError, requirement: Requirement) -> KnobValues:

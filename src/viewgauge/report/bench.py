@@ -11,7 +11,7 @@ from .palette import UNMET_COLOUR, UNSEEN_COLOUR, Theme, probability_colour
 from .view_picture import REASON_WORDS
 from .wording import DASH, element, length, probability, requirement_text, tolerance
 
-__all__ = ["answer_table", "bench_style", "dimension_facts", "legend", "message", "verdict_markup"]
+__all__ = ["answer_table", "bench_style", "dimension_facts", "legend", "message", "refused_table", "verdict_markup"]
 
 
 def bench_style(theme: Theme) -> str:
@@ -110,14 +110,23 @@ def answer_table(answers: Answers, refused: Sequence[Unusable], chosen: str | No
     )
     ranked = sorted(answers.dimensions, key=lambda answer: answer.probability)
     rows = "".join(_answer_row(answer, answers.requirement.probability, chosen) for answer in ranked)
-    for unusable in refused:
-        cells = element("th", unusable.id, scope="row") + element(
-            "td", "not measurable: " + unusable.reason, colspan="3"
-        )
-        rows += element("tr", markup=cells)
+    rows += _refused_rows(refused)
     return _piece(
         element("table", markup=element("thead", markup=element("tr", markup=head)) + element("tbody", markup=rows))
     )
+
+
+def refused_table(refused: Sequence[Unusable]) -> str:
+    """What cannot be measured, where nothing can."""
+    return _piece(element("table", markup=element("tbody", markup=_refused_rows(refused))))
+
+
+def _refused_rows(refused: Sequence[Unusable]) -> str:
+    rows = []
+    for unusable in refused:
+        why = element("td", f"not measurable: {unusable.reason}", colspan="3")
+        rows.append(element("tr", markup=element("th", unusable.id, scope="row") + why))
+    return "".join(rows)
 
 
 def _answer_row(answer: DimensionAnswer, required: float, chosen: str | None) -> str:

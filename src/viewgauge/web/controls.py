@@ -96,10 +96,10 @@ class Controls:
             self._dials["required"] = self._required(inspection, knobs)
             self._dials["probability"] = self._gui.add_slider(
                 "Probability Th",
-                min=0.5,
-                max=0.9999,
+                min=min(0.5, knobs.probability),
+                max=max(0.9999, knobs.probability),
                 step=0.0005,
-                initial_value=min(max(knobs.probability, 0.5), 0.9999),
+                initial_value=knobs.probability,
                 disabled=knobs.required is None,
                 hint="How surely every dimension has to be measured.",
             )
@@ -134,15 +134,15 @@ class Controls:
     def _reset(self, knobs: KnobValues) -> None:
         self._holds = True
         for dial in _DIALS:
-            self._dials[dial.field].value = dial.unit * getattr(knobs, dial.field)
+            self._dials[dial.field].value = _shown(dial.unit * getattr(knobs, dial.field))
         if knobs.required is not None:
-            self._dials["required"].value = self._required_scale * knobs.required
+            self._dials["required"].value = _shown(self._required_scale * knobs.required)
             self._dials["probability"].value = knobs.probability
         self._holds = False
         self._turned()
 
     def _dial(self, dial: _Dial, value: float) -> Any:
-        shown = dial.unit * value
+        shown = _shown(dial.unit * value)
         step = _nice(shown / _STEPS) if shown else 1.0
         high = step * math.ceil(4 * shown / step) if shown else 1.0
         return self._gui.add_slider(
@@ -162,7 +162,7 @@ class Controls:
             return self._gui.add_slider(
                 "Requirement", min=0, max=1, step=1, initial_value=0, disabled=True, hint="Stated by other figures."
             )
-        shown = self._required_scale * knobs.required
+        shown = _shown(self._required_scale * knobs.required)
         if requirement.kind == "accuracy":
             left = 100 - shown
             step = _nice(left / 20)
@@ -178,6 +178,11 @@ class Controls:
         label = "Allowed error / mm" if requirement.kind == "error" else "Allowed share of the tolerance / %"
         step = _nice(shown / _STEPS)
         return self._gui.add_slider(label, min=step, max=4 * shown, step=step, initial_value=shown)
+
+
+def _shown(value: float) -> float:
+    """Without the digits that a change of units has made."""
+    return float(f"{value:.10g}")
 
 
 def _nice(value: float) -> float:

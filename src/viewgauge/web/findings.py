@@ -19,6 +19,7 @@ from ..workflow import (
     directions_chart,
     laws_chart,
     message,
+    refused_table,
     unseen_table,
     view_picture,
 )
@@ -78,10 +79,12 @@ class Findings:
         """The name; None where there is none to choose."""
         return None if self.setting.value == _NONE else self.setting.value
 
-    def show_message(self, text: str, *, bad: bool = False) -> None:
-        """In place of everything."""
-        for place in (self._table, self._facts, self._view):
-            place.content = message(text, bad=bad)
+    def show_refused(self, what_if: WhatIf, *, dark: bool) -> None:
+        """Where no dimension can be measured: which there are, and why not."""
+        style = bench_style(DARK if dark else LIGHT)
+        self._table.content = style + refused_table(what_if.refused)
+        for place in (self._facts, self._view):
+            place.content = message("No dimension can be measured.")
         for chart in self._charts.values():
             chart.visible = False
 

@@ -16,14 +16,13 @@ import viser
 from numpy.typing import NDArray
 from viser._messages import RunJavascriptMessage
 
-from ..exceptions import InputError, ViewgaugeError
+from ..exceptions import InputError, JobCancelledError, ViewgaugeError
 from ..workflow import (
     DARK,
     LIGHT,
     Answers,
     Inspection,
     Job,
-    JobCancelledError,
     Stage,
     WhatIf,
     bench_style,
@@ -76,6 +75,7 @@ class Visitor:
         self._lock = threading.RLock()
         self._folder = Path(tempfile.mkdtemp(prefix="viewgauge-visitor-"))
         self._job: Job[Any] | None = None
+        self._working, self._ended = False, threading.Event()
         self._closed = False
         self._dragged: dict[str, NDArray[np.float64]] = {}
         self._held: str | None = None
@@ -106,8 +106,7 @@ class Visitor:
         """The visitor has gone."""
         self._closed = True
         self._refresher.close()
-        if self._job is not None:
-            self._job.cancel()
+        self._cancel()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _listen(self) -> None:
@@ -145,6 +144,7 @@ class Visitor:
             self._scene.see_through(self._controls.see_through.value)
             self._scene.look_at_all(self._what_if.settings(self._today))
             self._offer()
+            self._hold()
         self._refresher.ask("answers", "setting", "dimension", "candidates")
 
     def _offer(self) -> None:
@@ -181,7 +181,7 @@ class Visitor:
     def _answer(self) -> None:
         with self._lock:
             if not self._what_if.dimensions:
-                self._findings.show_message("No dimension of this part can be measured.", bad=True)
+                self._findings.show_refused(self._what_if, dark=self._controls.dark.value)
                 self._controls.verdict.content = message("No dimension can be measured.", bad=True)
                 return
             try:
@@ -189,7 +189,7 @@ class Visitor:
             except InputError as error:
                 self._controls.verdict.content = message(str(error), bad=True)
                 return
-            if answers.settings or self._job is None:
+            if answers.settings or not self._working:
                 self._controls.verdict.content = verdict_markup(answers, self._inspection.requirement)
             self._controls.legend.content = legend(answers.requirement.probability)
             self._findings.show_table(self._what_if, answers, dark=self._controls.dark.value)
@@ -303,28 +303,30 @@ class Visitor:
     # planning
 
     def _plan(self) -> None:
-        with self._lock:
-            if self._job is not None:
-                return
-            try:
-                inspection = self._what_if.turned(self._knobs())
-            except InputError as error:
-                self._controls.verdict.content = message(str(error), bad=True)
-                return
-            job = self._start(plan_again, inspection)
-        plan = self._result(job)
+        try:
+            inspection = self._what_if.turned(self._knobs())
+        except InputError as error:
+            self._controls.verdict.content = message(str(error), bad=True)
+            return
+        plan = self._result(plan_again, inspection)
         if plan is not None:
             self._planned(plan, inspection)
 
-    def _start(self, work: Callable[..., Any], *arguments: Any, **limits: Any) -> Job[Any]:
-        self._show_stage(Stage("Starting"))
-        self._job = Job(work, *arguments, watcher=self._show_stage, **limits)
-        return self._job
-
-    def _result(self, job: Job[Any]) -> Any:
-        """What came of a job; None, and a message, where nothing did."""
+    def _result(self, work: Callable[..., Any], *arguments: Any, **limits: Any) -> Any:
+        """What comes of work in a child process; None, and a message, where nothing does, or other work goes on."""
+        with self._lock:
+            if self._working:
+                return None
+            self._working = True
+            self._ended.clear()
         try:
-            return job.result()
+            self._show_stage(Stage("Waiting for the work of others"))
+            with self._bench.turn(self._ended):
+                self._job = Job(work, *arguments, watcher=self._show_stage, **limits)
+                if self._ended.is_set():  # meanwhile
+                    self._job.cancel()
+                self._show_stage(Stage("Starting"))
+                return self._job.result()
         except JobCancelledError:
             if not self._closed:
                 self._client.add_notification("Cancelled", "All is as it was.", auto_close_seconds=4)
@@ -333,20 +335,22 @@ class Visitor:
                 self._controls.file_message.content = message(str(error), bad=True)
                 self._client.add_notification("It did not work", str(error), color="red")
         finally:
-            self._job = None
+            self._job, self._working = None, False
             if not self._closed:
                 self._end_of_work()
         return None
 
     def _cancel(self) -> None:
-        if self._job is not None:
-            self._job.cancel()
+        self._ended.set()
+        job = self._job
+        if job is not None:
+            job.cancel()
 
     def _show_stage(self, stage: Stage) -> None:
         if self._closed:
             return
         controls: Any = self._controls  # viser's types take values for fixed
-        controls.replan.disabled, controls.cancel.visible = True, self._job is not None
+        controls.replan.disabled, controls.cancel.visible = True, self._working
         controls.bar.visible, controls.stage.visible = True, True
         controls.bar.value = 100.0 * (stage.share if stage.share is not None else 1.0)
         controls.stage.content = message(f"{stage.name} …")
@@ -373,10 +377,13 @@ class Visitor:
     def _load(self, file: viser.UploadedFile) -> None:
         """Read an inspection file that was sent, in a child process, and plan it."""
         path = self._receive(file, INSPECTION_SUFFIXES)
-        if path is None or self._job is not None:
+        if path is None:
+            return
+        if self._working:
+            self._controls.file_message.content = message("Wait until it is planned, or cancel that first.", bad=True)
             return
         self._bench.lend_files(self._folder)
-        inspection = self._result(self._start(load_uploaded, path, timeout_s=_LOAD_S, memory_bytes=_LOAD_BYTES))
+        inspection = self._result(load_uploaded, path, timeout_s=_LOAD_S, memory_bytes=_LOAD_BYTES)
         if inspection is not None:
             self._controls.file_message.content = message(f"{path.name} is loaded; plan it with “Plan again”.")
             self._take(inspection, path.read_text(encoding="utf-8"), None, inspection)

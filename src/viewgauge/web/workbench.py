@@ -5,14 +5,15 @@ from __future__ import annotations
 import logging
 import shutil
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import viser
 
-from ..exceptions import ViewgaugeError
-from ..workflow import Inspection, Job, JobCancelledError, Stage, plan_again
+from ..exceptions import JobCancelledError, ViewgaugeError
+from ..workflow import Inspection, Job, Stage, plan_again
 from .guard import GuardedServer
 from .visitor import Visitor
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 __all__ = ["Workbench", "open_workbench"]
 
 _log = logging.getLogger(__name__)
+
+_AT_ONCE = 2
+"""How many visitors' work runs at once; that of others waits."""
 
 
 class Workbench:
@@ -49,7 +53,7 @@ class Workbench:
         self.text = path.read_text(encoding="utf-8")
         self._project = path.resolve().parent
         self._visitors: dict[int, Visitor] = {}
-        self._lock = threading.Lock()
+        self._lock, self._turns = threading.Lock(), threading.BoundedSemaphore(_AT_ONCE)
         self._told: list[Callable[[Plan | Stage | ViewgaugeError], None]] = []
         self._last: Plan | Stage | ViewgaugeError | None = plan
         self._server = GuardedServer(host, port)
@@ -72,6 +76,23 @@ class Workbench:
             last = self._last
         if last is not None:
             listener(last)
+
+    @contextmanager
+    def turn(self, ended: threading.Event) -> Iterator[None]:
+        """One of the few pieces of work that run at once; waits for one.
+
+        Raises
+        ------
+        JobCancelledError
+            If ``ended`` is set meanwhile.
+        """
+        while not self._turns.acquire(timeout=0.1):
+            if ended.is_set():
+                raise JobCancelledError("ended on request")
+        try:
+            yield
+        finally:
+            self._turns.release()
 
     def lend_files(self, folder: Path) -> None:
         """Copy the files that the inspection itself is made of into a folder, where they are not there already."""

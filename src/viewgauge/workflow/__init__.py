@@ -14,7 +14,15 @@ if TYPE_CHECKING:
     from ..planning.answers import Answers
     from ..planning.direction_map import DirectionMap
     from ..planning.turned import KnobValues
-    from ..report.bench import answer_table, bench_style, dimension_facts, legend, message, verdict_markup
+    from ..report.bench import (
+        answer_table,
+        bench_style,
+        dimension_facts,
+        legend,
+        message,
+        refused_table,
+        verdict_markup,
+    )
     from ..report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
     from ..report.palette import DARK, LIGHT, colours_of, probability_colour
     from ..report.simplify import picture_mesh
@@ -36,7 +44,7 @@ if TYPE_CHECKING:
     from .export import plan_archive, settings_text
     from .improve import improve
     from .inspection import ExplicitSettings, Inspection
-    from .job import Job, JobCancelledError, Stage
+    from .job import Job, Stage
     from .laws import gauge_laws
     from .load import load
     from .measure import Measured, measure
@@ -69,14 +77,15 @@ _HOME = {
         ("accuracy_chart", "budget_chart", "directions_chart", "laws_chart", "table_chart"), "..report.charts"
     ),
     **dict.fromkeys(
-        ("answer_table", "bench_style", "dimension_facts", "legend", "message", "verdict_markup"), "..report.bench"
+        ("answer_table", "bench_style", "dimension_facts", "legend", "message", "refused_table", "verdict_markup"),
+        "..report.bench",
     ),
     **dict.fromkeys(("DARK", "LIGHT", "colours_of", "probability_colour"), "..report.palette"),
     **dict.fromkeys(("picture_mesh",), "..report.simplify"),
     **dict.fromkeys(("unseen_table", "view_picture"), "..report.view_picture"),
     **dict.fromkeys(("pose_from_quaternion", "quaternion_from_pose"), "..geometry"),
     **dict.fromkeys(("load_uploaded", "plan_again"), ".bench_jobs"),
-    **dict.fromkeys(("JobCancelledError", "Job", "Stage"), ".job"),
+    **dict.fromkeys(("Job", "Stage"), ".job"),
     **dict.fromkeys(("plan_archive", "settings_text"), ".export"),
     **dict.fromkeys(("read_plan", "require_plan_of"), ".read_plan"),
     **dict.fromkeys(("plan_report",), ".report"),
@@ -128,7 +137,6 @@ __all__ = [
     "ExplicitSettings",
     "Inspection",
     "Job",
-    "JobCancelledError",
     "KnobValues",
     "Measured",
     "Method",
@@ -178,6 +186,7 @@ __all__ = [
     "quaternion_from_pose",
     "read_calibration",
     "read_plan",
+    "refused_table",
     "require_answer_suffix",
     "require_plan_of",
     "require_table_suffix",

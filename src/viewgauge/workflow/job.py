@@ -16,20 +16,16 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any, Concatenate, Generic, ParamSpec, TypeVar
 
-from ..exceptions import ViewgaugeError
+from ..exceptions import JobCancelledError, ViewgaugeError
 from .progress import Progress
 
-__all__ = ["Job", "JobCancelledError", "Stage"]
+__all__ = ["Job", "Stage"]
 
 _Result = TypeVar("_Result")
 _Arguments = ParamSpec("_Arguments")
 
 _TOLD_EVERY_S = 0.1
 _GRACE_S = 1.0
-
-
-class JobCancelledError(ViewgaugeError):
-    """Somebody ended the work."""
 
 
 @dataclass(frozen=True)
