@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import signal
 import sys
 import threading
 import warnings
@@ -67,6 +68,8 @@ def workbench(
     print(f"the workbench is at {bench.address}  (Ctrl-C ends it)", flush=True)
     if browser and sys.stdout.isatty():
         webbrowser.open(bench.address)
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as with Ctrl-C, children too
     try:
         threading.Event().wait()
     except KeyboardInterrupt:

@@ -19,7 +19,8 @@ import secrets
 import socket
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
+from io import StringIO
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -166,7 +167,7 @@ class GuardedServer(viser.ViserServer):
         self._bound_host = host
         self._token = None if is_loopback(host) else secrets.token_urlsafe(24)
         port = _free_port(host, port)
-        with _gated(Gate(host, self._token)):
+        with _gated(Gate(host, self._token)), redirect_stdout(StringIO()):  # viser prints what is printed here
             super().__init__(host=host, port=port, verbose=False)
 
     @property
@@ -178,6 +179,11 @@ class GuardedServer(viser.ViserServer):
         name = f"[{host}]" if ":" in host else host
         query = "" if self._token is None else f"?token={self._token}"
         return f"http://{name}:{self.get_port()}/{query}"
+
+    def stop(self) -> None:
+        """End the server and its connections."""
+        with redirect_stdout(StringIO()):
+            super().stop()
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002 - viser's
         """Nothing goes out."""
