@@ -16,10 +16,11 @@ from test_report import Page
 
 import viewgauge as vg
 from viewgauge.evaluation.budget import GROUPS
+from viewgauge.report import render_report
 from viewgauge.workflow import error_budgets, figures_of_gauges
 from viewgauge.workflow.improve import settled_improvement
 from viewgauge.workflow.laws import gauge_laws
-from viewgauge.workflow.report import plan_report
+from viewgauge.workflow.report import plan_details, plan_report
 
 BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "inspection.yaml"
 STEP = 1e-4
@@ -201,3 +202,25 @@ def test_it_is_small_and_complete(text, inspection):
 
 def test_data_of_the_pictures_is_valid_json_without_nan(page):
     assert json.dumps(page.scene, allow_nan=False)
+
+
+def test_a_report_that_would_be_too_large_shows_less_and_says_so(plan, inspection):
+    """Pictures that hardly compress, as of many intricate settings."""
+    noise = np.random.default_rng(3).integers(0, 256, 450_000, dtype=np.uint8).tobytes()
+    shown = plan_details(plan, inspection)
+    many = tuple(replace(shown.views[0], setting=f"S{k}", png=noise) for k in range(12))
+    text = render_report(
+        plan,
+        inspection.part,
+        inspection.camera,
+        inspection.requirement,
+        title="large",
+        inputs={},
+        details=replace(shown, views=many),
+    )
+    assert len(text.encode()) <= 9_900_000
+    page = Page(text)
+    told = re.search(r"The first (\d+) of 12 settings are here", page.text)
+    pictures = [attributes for tag, attributes in page.elements if tag == "image"]
+    assert len(pictures) == int(told[1])
+    assert 0 < len(pictures) < 12

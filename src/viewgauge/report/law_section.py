@@ -11,26 +11,25 @@ from .palette import UNMET_COLOUR
 from .tables import STATUS_WORDS
 from .wording import DASH, element, length, probability
 
-__all__ = ["SHOWN", "law_charts", "law_section"]
-
-SHOWN = 300
-"""Most dimensions whose laws are drawn, the least sure first, so that the report stays below 10 MB."""
+__all__ = ["law_charts", "law_section"]
 
 
-def law_charts(plan: Plan, laws: Mapping[str, GaugeLaws], required: float) -> dict[str, tuple[Figure, Figure]]:
-    """The two charts of each dimension that has laws, by the place of its row in the section."""
+def law_charts(
+    plan: Plan, laws: Mapping[str, GaugeLaws], required: float, most: int
+) -> dict[str, tuple[Figure, Figure]]:
+    """The two charts of each dimension that is shown, by the place of its row in the section."""
     return {
         f"law-{k}": (
             laws_chart(d.id, laws[d.id], d.allowed_error_mm),
             accuracy_chart(d.id, laws[d.id], d.allowed_error_mm, required),
         )
-        for k, d in enumerate(_shown(plan, laws))
+        for k, d in enumerate(_shown(plan, laws, most))
     }
 
 
-def law_section(plan: Plan, laws: Mapping[str, GaugeLaws]) -> str:
-    """One line for each dimension, which opens to its charts."""
-    shown = _shown(plan, laws)
+def law_section(plan: Plan, laws: Mapping[str, GaugeLaws], most: int) -> str:
+    """One line for each of at most so many dimensions, the least sure first; it opens to its charts."""
+    shown = _shown(plan, laws, most)
     if not shown:
         return ""
     hint = (
@@ -44,10 +43,10 @@ def law_section(plan: Plan, laws: Mapping[str, GaugeLaws]) -> str:
     return element("section", markup=heading + element("p", hint, class_="hint") + rows)
 
 
-def _shown(plan: Plan, laws: Mapping[str, GaugeLaws]) -> list[PlannedDimension]:
+def _shown(plan: Plan, laws: Mapping[str, GaugeLaws], most: int) -> list[PlannedDimension]:
     order = list(STATUS_WORDS)
     ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
-    return [dimension for dimension in ranked if dimension.id in laws][:SHOWN]
+    return [dimension for dimension in ranked if dimension.id in laws][:most]
 
 
 def _row(k: int, dimension: PlannedDimension, laws: GaugeLaws) -> str:

@@ -21,13 +21,19 @@ from .changes import changes_table
 from .details import PlanDetails
 from .law_section import law_charts, law_section
 from .palette import DARK, LIGHT
-from .scene import build_scene
+from .scene import TRIANGLE_LIMIT, build_scene
 from .summary import summary_markup
 from .tables import dimension_table, fact_table, setting_table
 from .view_section import view_section
 from .wording import element, length, requirement_text
 
-__all__ = ["render_report", "resource", "script_data"]
+__all__ = ["MOST_BYTES", "render_report", "resource", "script_data"]
+
+
+MOST_BYTES = 9_900_000
+"""Of a report, so that it can be sent by mail."""
+
+_ATTEMPTS = 8
 
 
 def resource(name: str) -> str:
@@ -112,15 +118,34 @@ def render_report(
     Returns
     -------
     HTML with plotly.js inside; no resource is fetched, and the page forbids itself to. All text is escaped. The
-    same arguments give the same text.
+    same arguments give the same text. Where it would be larger than :data:`MOST_BYTES`, views and laws of fewer
+    settings and dimensions and a coarser part are shown, and it is said.
     """
+    details, triangles = details or PlanDetails(), TRIANGLE_LIMIT
+    for _ in range(_ATTEMPTS):
+        text = _rendered(plan, part, camera, requirement, title, inputs, details, triangles)
+        if len(text.encode()) <= MOST_BYTES:
+            break
+        details, triangles = details.fewer(), triangles // 2
+    return text
+
+
+def _rendered(
+    plan: Plan,
+    part: Part,
+    camera: Camera,
+    requirement: Requirement,
+    title: str,
+    inputs: Mapping[str, str],
+    details: PlanDetails,
+    triangles: int,
+) -> str:
     from plotly.offline import get_plotlyjs  # here: 5 MB that only a report needs
 
-    details = details or PlanDetails()
-    scene, remark = build_scene(plan, part, camera)
+    scene, remark = build_scene(plan, part, camera, triangles)
     pictures = {
         **scene,
-        "laws": law_charts(plan, details.laws, requirement.probability),
+        "laws": law_charts(plan, details.laws, requirement.probability, details.most_laws),
         "themes": [asdict(LIGHT), asdict(DARK)],
     }
     made_from = {**inputs, "viewgauge": version("viewgauge"), "Seed": str(plan.seed)}
@@ -133,8 +158,8 @@ def render_report(
         dimensions=dimension_table(plan),
         settings=setting_table(plan, part, camera),
         refinement=refinement_section(plan),
-        views=view_section(details.views, requirement.probability),
-        laws=law_section(plan, details.laws),
+        views=view_section(details.views, requirement.probability, details.most_views),
+        laws=law_section(plan, details.laws, details.most_laws),
         budget=budget_section(plan, details.budgets),
         improvement=_improvement_section(details.improvement),
         figures=figures_section(plan, details.figures),

@@ -20,7 +20,7 @@ from .wording import length, probability
 __all__ = ["TRIANGLE_LIMIT", "build_scene", "gauge_scene"]
 
 TRIANGLE_LIMIT = 150_000
-"""Most triangles shown, so that the report stays below 10 MB."""
+"""Most triangles shown."""
 
 LABEL_LIMIT = 60
 """Most gauges that are labelled in the picture; of more, only the pointer tells the names."""
@@ -222,14 +222,16 @@ def gauge_scene(plan: Plan) -> dict[str, Any]:
     return {"part": _gauge_traces(plan), "cameras": cameras, "layout": _layout()}
 
 
-def build_scene(plan: Plan, part: Part, camera: Camera) -> tuple[dict[str, Any], str]:
+def build_scene(
+    plan: Plan, part: Part, camera: Camera, triangle_limit: int = TRIANGLE_LIMIT
+) -> tuple[dict[str, Any], str]:
     """Both pictures as data for Plotly, and a remark on what they leave out (empty where nothing).
 
     Returns
     -------
     ``part`` (traces of the part and the gauges), ``cameras`` (traces of the frusta), ``layout``; the remark.
     """
-    mesh = picture_mesh(part.mesh, TRIANGLE_LIMIT)
+    mesh = picture_mesh(part.mesh, triangle_limit)
     shown, total = len(mesh.triangles), len(part.mesh.triangles)
     remark = "" if shown == total else f"The picture shows a coarser part: {shown:,} of {total:,} triangles."
     traces = [_mesh_trace(mesh), _feature_trace(part), *_gauge_traces(plan)]

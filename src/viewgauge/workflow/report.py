@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..planning import Plan
 from ..report import PlanDetails, SettingView, render_report
-from ..report.view_section import SHOWN
+from ..report.details import MOST_VIEWS
 from .budget import error_budgets, figures_of_gauges
 from .chunks import EvaluationJob, evaluator_of
 from .improve import settled_improvement
@@ -51,5 +51,5 @@ def _views(plan: Plan, inspection: Inspection) -> tuple[SettingView, ...]:
     views = SettingViews(inspection.part.mesh)
     return tuple(
         views.view(setting.id, setting.T_part_camera, inspection.camera, dimensions, table, row, planned)
-        for row, setting in enumerate(plan.settings[:SHOWN])
+        for row, setting in enumerate(plan.settings[:MOST_VIEWS])
     )
