@@ -43,7 +43,7 @@ def test_stage(stage: str, tiny: bool, timed: Callable[..., None]) -> None:
         "table": ("evaluating the whole table (evaluate)", lambda: evaluator.table(poses)),
         "dominance": (f"removing dominated settings ({len(kept)} stay)", dominance),
         "cover": ("choosing the fewest and surest", lambda: choose_settings(kept)),
-        "plan": ("the plan, all of the above but the table", lambda: vg.plan(i)),
+        "plan": ("the plan, all of the above but the table; refined and bounded", lambda: vg.plan(i)),
         "report": ("writing plan and report", report),
     }
     name, call = calls[stage]

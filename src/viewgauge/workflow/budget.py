@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,11 +54,19 @@ def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
     return found
 
 
-def figures_of_gauges(inspection: Inspection, plan: Plan) -> dict[str, GaugeFigures]:
-    """Expanded uncertainty, %P/T, Cg, Cgk, TUR and risks of the same dimensions, by id."""
+def figures_of_gauges(
+    inspection: Inspection, plan: Plan, budgets: Mapping[str, ErrorBudget] | None = None
+) -> dict[str, GaugeFigures]:
+    """Expanded uncertainty, %P/T, Cg, Cgk, TUR and risks of the same dimensions, by id.
+
+    Parameters
+    ----------
+    budgets
+        Of the plan, where they are known already.
+    """
     found = {}
     of_plan = {dimension.id: dimension for dimension in plan.dimensions}
-    for name, budget in error_budgets(inspection, plan).items():
+    for name, budget in (error_budgets(inspection, plan) if budgets is None else budgets).items():
         dimension, u = of_plan[name], float(budget.combined_uncertainty_mm)
         if u > 0:
             half = None if dimension.looks else _spread_mm(inspection, dimension)

@@ -15,8 +15,14 @@ from .setting_view import SettingViews
 __all__ = ["plan_details", "plan_report"]
 
 
-def plan_report(plan: Plan, inspection: Inspection) -> str:
-    """The report as one HTML text (:func:`~viewgauge.report.render_report`)."""
+def plan_report(plan: Plan, inspection: Inspection, details: PlanDetails | None = None) -> str:
+    """The report as one HTML text (:func:`~viewgauge.report.render_report`).
+
+    Parameters
+    ----------
+    details
+        Of the plan, where they are known already.
+    """
     return render_report(
         plan,
         inspection.part,
@@ -24,15 +30,16 @@ def plan_report(plan: Plan, inspection: Inspection) -> str:
         inspection.requirement,
         title=inspection.name,
         inputs={f"{name} (SHA-256)": digest for name, digest in inspection.inputs.items()},
-        details=plan_details(plan, inspection),
+        details=details or plan_details(plan, inspection),
     )
 
 
 def plan_details(plan: Plan, inspection: Inspection) -> PlanDetails:
     """Budgets, figures, laws, views, and what to improve."""
+    budgets = error_budgets(inspection, plan)
     return PlanDetails(
-        error_budgets(inspection, plan),
-        figures_of_gauges(inspection, plan),
+        budgets,
+        figures_of_gauges(inspection, plan, budgets),
         gauge_laws(inspection, plan),
         _views(plan, inspection),
         settled_improvement(inspection, plan),

@@ -35,7 +35,8 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
     from ..io.plan_files import plan_document
     from .budget import error_budgets, figures_of_gauges
 
-    budgets, figures = error_budgets(inspection, plan), figures_of_gauges(inspection, plan)
+    budgets = error_budgets(inspection, plan)
+    figures = figures_of_gauges(inspection, plan, budgets)
     return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
 
 
@@ -117,12 +118,14 @@ def output_folder(path: str | PathLike[str]) -> Iterator[Path]:
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
     """Write ``plan.json, settings.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
     from ..io.atomic import write_text_atomically
-    from ..io.plan_files import write_plan_files
-    from .report import plan_report
+    from ..io.plan_files import plan_document, write_plan_files
+    from .report import plan_details, plan_report
 
     place = make_folder(folder)
-    write_text_atomically(place / "report.html", plan_report(plan, inspection))
-    write_plan_files(plan, describe_plan(plan, inspection), place)
+    details = plan_details(plan, inspection)
+    write_text_atomically(place / "report.html", plan_report(plan, inspection, details))
+    document = plan_document(plan, inspection.requirement, inspection.inputs, details.budgets, details.figures)
+    write_plan_files(plan, document, place)
 
 
 def write_evaluation(table: xr.Dataset, path: str | PathLike[str]) -> None:
