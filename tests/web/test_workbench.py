@@ -318,7 +318,7 @@ def test_a_dragged_camera_takes_everything_with_it(visit, bench, inspection, pla
     assert [a.probability for a in moved.dimensions] != [a.probability for a in still.dimensions]
     visitor._moved(name, SimpleNamespace(**pose_parts(pose)))
     visit.expect_rows(moved)
-    visitor._moved(name, SimpleNamespace(**pose_parts(planned)))
+    visit.page.get_by_role("button", name="As the inspection has it").click()
     visit.expect_rows(still)
     visit.page.get_by_label("Drag the chosen setting").uncheck()
 

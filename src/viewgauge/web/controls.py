@@ -46,11 +46,13 @@ class Controls:
     ----------
     turned
         Called after a knob was turned by the visitor.
+    reset
+        Called after all were put back.
     """
 
-    def __init__(self, client: viser.ClientHandle, turned: Callable[[], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, turned: Callable[[], None], reset: Callable[[], None]) -> None:
         self._gui = client.gui
-        self._turned = turned
+        self._turned, self._put_back = turned, reset
         self._dials: dict[str, Any] = {}
         self._holds = True  # while values are set, nobody has turned anything
         gui = self._gui
@@ -139,7 +141,7 @@ class Controls:
             self._dials["required"].value = _shown(self._required_scale * knobs.required)
             self._dials["probability"].value = knobs.probability
         self._holds = False
-        self._turned()
+        self._put_back()
 
     def _dial(self, dial: _Dial, value: float) -> Any:
         shown = _shown(dial.unit * value)

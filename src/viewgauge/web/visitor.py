@@ -83,7 +83,7 @@ class Visitor:
         limit_uploads(client)
         _name_controls(client)
         self._scene, self._findings = Scene(client), Findings(client)
-        self._controls = Controls(client, self._turned)
+        self._controls = Controls(client, self._turned, self._reset)
         client.gui.main_panel.dock_left()
         client.gui.main_panel.set_width(370)
         self._refresher = Refresher(
@@ -252,7 +252,15 @@ class Visitor:
     # what the visitor does
 
     def _turned(self) -> None:
+        if self._held is not None:
+            self._hold()  # the handle goes with its camera
         self._refresher.ask("answers", "setting", "dimension", "candidates")
+
+    def _reset(self) -> None:
+        """All cameras stand where they were planned."""
+        with self._lock:
+            self._dragged.clear()
+        self._turned()
 
     def _knobs(self) -> Any:
         return self._controls.values(self._today)
@@ -375,7 +383,7 @@ class Visitor:
         self._receive(file, OTHER_SUFFIXES)
 
     def _load(self, file: viser.UploadedFile) -> None:
-        """Read an inspection file that was sent, in a child process, and plan it."""
+        """Read an inspection file that was sent, in a child process, and begin with it."""
         path = self._receive(file, INSPECTION_SUFFIXES)
         if path is None:
             return
