@@ -284,7 +284,9 @@ def test_files_that_cannot_be_used_are_refused_with_words(visit, tmp_path):
             visit.page.get_by_role("button", name="Load an inspection file").click()
         chooser.value.set_files(tmp_path / name)
         expect(visit.page.get_by_role("alert").filter(has_text=told).first).to_be_visible(timeout=2 * WAIT_MS)
-    assert "hidden words" not in visit.page.content()
+    shown = visit.page.content()
+    assert "hidden words" not in shown
+    assert "viewgauge-visitor" not in shown  # nor where the files of visitors lie
 
 
 def test_visitors_do_not_see_each_other(browser, bench, visit, inspection, plan):

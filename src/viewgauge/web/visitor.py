@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import tempfile
@@ -340,8 +341,8 @@ class Visitor:
                 self._client.add_notification("Cancelled", "All is as it was.", auto_close_seconds=4)
         except ViewgaugeError as error:
             if not self._closed:
-                self._controls.file_message.content = message(str(error), bad=True)
-                self._client.add_notification("It did not work", str(error), color="red")
+                self._controls.file_message.content = message(self._told(error), bad=True)
+                self._client.add_notification("It did not work", self._told(error), color="red")
         finally:
             self._job, self._working = None, False
             if not self._closed:
@@ -374,7 +375,7 @@ class Visitor:
         try:
             path = stored(self._folder, file.name, file.content, suffixes)
         except InputError as error:
-            self._controls.file_message.content = message(str(error), bad=True)
+            self._controls.file_message.content = message(self._told(error), bad=True)
             return None
         self._controls.file_message.content = message(f"{path.name} is here.")
         return path
@@ -401,7 +402,7 @@ class Visitor:
         try:
             name, content = make()
         except ViewgaugeError as error:
-            self._controls.file_message.content = message(str(error), bad=True)
+            self._controls.file_message.content = message(self._told(error), bad=True)
             return
         self._client.send_file_download(name, content, save_immediately=True)
 
@@ -422,6 +423,10 @@ class Visitor:
         with self._lock:
             settings = self._what_if.settings(self._knobs(), self._dragged)
         return "settings.csv", settings_text(settings).encode()
+
+    def _told(self, error: Exception) -> str:
+        """An error without the place where files of visitors lie, which is nobody's business."""
+        return str(error).replace(f"{self._folder}{os.sep}", "")
 
     def _made(self) -> Plan:
         if self._plan_made is None:
