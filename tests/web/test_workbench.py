@@ -91,11 +91,19 @@ class Visit:
         head = self.page.get_by_role("button", name=folder, exact=True)
         if head.get_attribute("aria-expanded") != "true":
             head.press("Enter")
+            self.page.wait_for_timeout(1000)  # it unfolds: a click meanwhile would miss
 
     def download(self, button):
-        with self.page.expect_download(timeout=WAIT_MS) as coming:
-            self.page.get_by_role("button", name=button).click()
-        return coming.value.suggested_filename, Path(coming.value.path()).read_bytes()
+        """What a button saves; clicked again if nothing comes, as what is above it may just have moved it."""
+        for attempt in range(3):
+            try:
+                with self.page.expect_download(timeout=WAIT_MS / 2) as coming:
+                    self.page.get_by_role("button", name=button).click()
+                return coming.value.suggested_filename, Path(coming.value.path()).read_bytes()
+            except playwright.TimeoutError:
+                if attempt == 2:
+                    raise
+        raise AssertionError("not reached")
 
     def close(self):
         self.context.close()
