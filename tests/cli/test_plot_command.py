@@ -41,6 +41,12 @@ def test_each_picture_is_a_page_that_needs_nothing(capsys, what, told):
     assert told in json.dumps(chart, ensure_ascii=False)
 
 
+@pytest.mark.parametrize("what", ["scene", "table", "budget", "laws", "accuracy", "directions"])
+def test_each_can_be_dark(what):
+    assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", what, "--dark"]) == 0
+    assert '"paper_bgcolor":"#12181f"' in Path("out.html").read_text(encoding="utf-8")
+
+
 def test_a_dimension_can_be_named():
     assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", "laws", "--dimension", "heel"]) == 0
     assert "Error of heel" in Path("out.html").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from viewgauge.evaluation import GaugeLaws
 from viewgauge.evaluation.budget import error_budget
 from viewgauge.planning.direction_map import DirectionMap
 from viewgauge.report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
-from viewgauge.report.palette import DARK, LIGHT, probability_colour, probability_scale
+from viewgauge.report.palette import DARK, LIGHT, SOURCE_COLOURS, probability_colour, probability_scale
 
 CAMERA = vg.Camera(16.0, (0.00345, 0.00345), (2448, 2048), 1.0)
 HEAD = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4, pivot_mm=(0, 0, -16))
@@ -191,6 +191,8 @@ def test_the_report_has_the_same_inks():
 
     css = resource("page.css")
     light, dark = css.split("@media (prefers-color-scheme: dark)", 1)
+    for part, colour in SOURCE_COLOURS.items():
+        assert f".part-{part} {{ background: {colour}; }}" in css
     for theme, text in ((LIGHT, light), (DARK, dark)):
         for ink in ("paper", "panel", "ink", "soft", "line", "good", "bad"):
             assert f"--{ink}: {getattr(theme, ink)};" in text

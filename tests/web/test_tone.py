@@ -57,7 +57,9 @@ def test_colours_come_out_as_they_are_meant(colour, of_vertices):
     meant = np.array(rgb(colour), dtype=float)
     sent = before_tone_curve(np.array(rgb(colour), dtype=np.uint8), of_vertices=of_vertices)
     drawn = after_tone_curve(sent, of_vertices)
-    assert np.abs(drawn - meant).max() < 40
+    # amber has no blue, and the curve always leaves some beside so much red and green: it is off by 32 there; of the
+    # others, rounding before the curve and its gamut cost at most 13
+    assert np.abs(drawn - meant).max() < (35 if colour == "#E69F00" else 15)
     without = after_tone_curve(rgb(colour), of_vertices)
     assert np.abs(drawn - meant).sum() <= np.abs(without - meant).sum() + 3
 

@@ -18,7 +18,7 @@ from ..part import Part
 from ..planning import Plan
 from .charts import Figure, accuracy_chart, laws_chart, table_chart
 from .charts.style import axis, figure, theme_of
-from .palette import UNMET_COLOUR
+from .palette import SETTING_COLOURS, UNMET_COLOUR
 from .scene import build_scene, gauge_scene
 from .summary import verdict
 from .tables import STATUS_WORDS
@@ -32,7 +32,6 @@ __all__ = ["described", "plot", "table_figure"]
 
 _POINTS = 401
 _INSIDE = 0.998  # of a law's probability is within its picture
-_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00")
 
 
 class _Inspected(Protocol):
@@ -82,7 +81,7 @@ def _plot_law(law: Law, *, name: str = "", dark: bool = False) -> PlotlyFigure:
             "x": x.tolist(),
             "y": column.tolist(),
             "name": f"{k}" if densities.shape[1] > 1 else "density",
-            "line": {"width": 2.5, "color": _COLOURS[k % len(_COLOURS)]},
+            "line": {"width": 2.5, "color": SETTING_COLOURS[k % len(SETTING_COLOURS)]},
             "showlegend": densities.shape[1] > 1,
         }
         for k, column in enumerate(densities.T)

@@ -10,6 +10,8 @@ import viser
 from numpy.typing import NDArray
 
 from ..workflow import (
+    UNMET_COLOUR,
+    UNSEEN_COLOUR,
     Answers,
     DirectionMap,
     Inspection,
@@ -25,8 +27,8 @@ __all__ = ["Scene", "rgb"]
 
 _FIELD_OF_VIEW_RAD, _ASIDE_RAD = 0.7, 0.45
 _NARROW = 0.75  # width of the picture between the panels, of its height
-_TRIANGLES, _LABELS, _CANDIDATES = 150_000, 40, 1500
-_PART, _EDGES, _UNMET, _UNSEEN = (0xC3, 0xCA, 0xD3), (0x2B, 0x35, 0x40), "#D00000", "#8a94a0"
+_TRIANGLES, _LABELS = 150_000, 40
+_PART, _EDGES = (0xC3, 0xCA, 0xD3), (0x2B, 0x35, 0x40)
 _OCTAHEDRON = (
     np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32),
     np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32),
@@ -117,7 +119,7 @@ class Scene:
         for answer in answers.dimensions:
             ends = np.stack([answer.gauge.start, answer.gauge.end])
             seen = answer.setting is not None
-            colour = probability_colour(answer.probability, required) if seen else _UNSEEN
+            colour = probability_colour(answer.probability, required) if seen else UNSEEN_COLOUR
             groups["met" if answer.met else "unmet" if seen else "unseen"].append((ends, colour))
             if names or answer.dimension.id == chosen:
                 mark = "" if answer.met else "✗ "
@@ -128,7 +130,7 @@ class Scene:
                 segments = np.array([ends for ends, _ in gauges]) if gauges else None
                 colours = np.array([[rgb(colour)] * 2 for _, colour in gauges], dtype=np.uint8)
                 self._lines(f"/gauges/{group}", segments, colours, widths[group])
-                marked = [(ends, _UNMET) for ends, _ in gauges] if group == "unseen" else gauges
+                marked = [(ends, UNMET_COLOUR) for ends, _ in gauges] if group == "unseen" else gauges
                 self._ends(f"/gauges/{group}_ends", marked, 0.008 if group == "met" else 0.013)
             self._halo(answers, chosen)
             self._labels(labels[:_LABELS])
@@ -203,7 +205,7 @@ class Scene:
             return
         seen = found.reason == ""
         colours = [
-            rgb(probability_colour(float(p), required) if s else _UNSEEN)
+            rgb(probability_colour(float(p), required) if s else UNSEEN_COLOUR)
             for p, s in zip(found.probability, seen, strict=True)
         ]
         self._put(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         verdict_markup,
     )
     from ..report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
-    from ..report.palette import DARK, LIGHT, colours_of, probability_colour
+    from ..report.palette import DARK, LIGHT, UNMET_COLOUR, UNSEEN_COLOUR, colours_of, probability_colour
     from ..report.simplify import picture_mesh
     from ..report.view_picture import unseen_table, view_picture
     from ..simulation.sensor import Sensor
@@ -80,7 +80,9 @@ _HOME = {
         ("answer_table", "bench_style", "dimension_facts", "legend", "message", "refused_table", "verdict_markup"),
         "..report.bench",
     ),
-    **dict.fromkeys(("DARK", "LIGHT", "colours_of", "probability_colour"), "..report.palette"),
+    **dict.fromkeys(
+        ("DARK", "LIGHT", "UNMET_COLOUR", "UNSEEN_COLOUR", "colours_of", "probability_colour"), "..report.palette"
+    ),
     **dict.fromkeys(("picture_mesh",), "..report.simplify"),
     **dict.fromkeys(("unseen_table", "view_picture"), "..report.view_picture"),
     **dict.fromkeys(("pose_from_quaternion", "quaternion_from_pose"), "..geometry"),
@@ -130,6 +132,8 @@ _HOME = {
 __all__ = [
     "DARK",
     "LIGHT",
+    "UNMET_COLOUR",
+    "UNSEEN_COLOUR",
     "Answers",
     "Characterization",
     "DirectionMap",

@@ -6,8 +6,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal, get_args
 
-import numpy as np
-
 from ..exceptions import InputError
 from ..io.atomic import write_text_atomically
 from ..planning import Plan
@@ -20,10 +18,11 @@ from ..report.charts import (
     laws_chart,
     table_chart,
 )
+from ..report.palette import DARK, LIGHT
 from ..report.scene import build_scene
 from .budget import error_budgets
 from .evaluate import evaluate
-from .inspection import Inspection
+from .inspection import ExplicitSettings, Inspection
 from .laws import gauge_laws
 from .what_if import WhatIf
 
@@ -59,7 +58,10 @@ def plan_chart(
     required = inspection.requirement.probability
     if what == "scene":
         scene, _ = build_scene(plan, inspection.part, inspection.camera)
-        return {"data": [*scene["part"], *scene["cameras"]], "layout": scene["layout"]}
+        theme = DARK if dark else LIGHT
+        layout = {**scene["layout"], "paper_bgcolor": theme.paper}
+        layout["font"] = {**layout["font"], "color": theme.ink}
+        return {"data": [*scene["part"], *scene["cameras"]], "layout": layout}
     if what == "budget":
         return budget_chart(error_budgets(inspection, plan), dark=dark)
     if what == "table":
@@ -102,9 +104,9 @@ def write_chart(chart: Figure, path: str | PathLike[str], title: str) -> None:
 def _table(inspection: Inspection, plan: Plan, *, dark: bool) -> Figure:
     if not plan.settings:
         raise InputError("there is no setting to show", key="what", got="table")
-    table = evaluate(inspection, np.array([setting.T_part_camera for setting in plan.settings]))
+    table = evaluate(inspection, ExplicitSettings.of_plan(plan))
     return table_chart(
-        [setting.id for setting in plan.settings],
+        [str(name) for name in table.setting.values],
         [str(name) for name in table.dimension.values],
         table.probability.values,
         table.reason.values.astype(str),
