@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 import viewgauge as vg
+from viewgauge.execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from viewgauge.geometry import invert, transform
 from viewgauge.planning import without_allowed_error
 from viewgauge.simulation import estimate_success_probabilities
-from viewgauge.workflow.chunks import EvaluationJob, candidate_grid, evaluator_of
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 MODEL_ERROR = 3e-4  # of a probability without warning: docs/paper/validity.md

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy import integrate
 from scipy.special import ndtr
 
-from viewgauge.errors.closed_form import central_probability
-from viewgauge.errors.closed_form_array import central_probability_into
+from viewgauge.errors.joint.closed_form import central_probability
+from viewgauge.errors.joint.closed_form_array import central_probability_into
 
 __all__ = ["WAYS", "Pairs", "Way", "hard_pairs", "ordinary_pairs"]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import viewgauge as vg
 from viewgauge.geometry import VIEWS, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.part.measurand_table import GaugeTable
 from viewgauge.planning import CandidateGrid
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "inspection.yaml"

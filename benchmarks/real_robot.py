@@ -20,11 +20,11 @@ import numpy as np
 
 import viewgauge as vg
 from viewgauge.evaluation import image_segment
+from viewgauge.formats.poses.board_views_file import read_board_views
 from viewgauge.geometry import invert, transform
-from viewgauge.io.board_views_file import read_board_views
 from viewgauge.measurement import PoseSamples, characterize_head, small_sample_factor
-from viewgauge.measurement.board import Intrinsics
-from viewgauge.measurement.robot_calibration import BoardViews, RobotCalibration, folds_of
+from viewgauge.measurement.pose.board import Intrinsics
+from viewgauge.measurement.pose.robot_calibration import BoardViews, RobotCalibration, folds_of
 
 BINS = (36.0, 75.0, 110.0, 150.0, 215.0)
 PROBABILITY = 0.95

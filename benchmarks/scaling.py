@@ -24,7 +24,9 @@ import time
 from pathlib import Path
 
 import part
-from viewgauge.workflow import evaluate_into, open_executor, plan
+from viewgauge.execution.executor import open_executor
+from viewgauge.jobs.evaluate import evaluate_into
+from viewgauge.jobs.planning.plan import plan
 
 
 def measure(job: str, pairs: int, workers: int) -> dict[str, float]:

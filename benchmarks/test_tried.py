@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from viewgauge.errors.closed_form_array import _normal
+from viewgauge.errors.joint.closed_form_array import _normal
 
 pytestmark = pytest.mark.benchmark(group="tried")
 

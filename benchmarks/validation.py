@@ -28,16 +28,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import viewgauge as vg
-from viewgauge.geometry import Window, invert, transform
-from viewgauge.measurement.edges import EdgeFinder
-from viewgauge.measurement.expected_gauge import ExpectedGauge
-from viewgauge.measurement.gauge_image import gauge_windows, measure_gauge
-from viewgauge.measurement.guide import find_guide
+from viewgauge.geometry import invert, transform
+from viewgauge.jobs.images.validate import describe_validation
+from viewgauge.measurement.image.edges import EdgeFinder
+from viewgauge.measurement.image.expected_edges import ExpectedGauge
+from viewgauge.measurement.image.image_pose import find_guide
+from viewgauge.measurement.image.measurand_image import gauge_windows, measure_gauge
+from viewgauge.sensors import Window
 from viewgauge.simulation import Estimate
 from viewgauge.simulation.displaced_poses import displaced_poses
+from viewgauge.simulation.image_sensor import ImageSensor
 from viewgauge.simulation.partial_image import partial_image
 from viewgauge.simulation.renderer import Renderer
-from viewgauge.workflow import Sensor, describe_validation
 
 BLOCK = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "inspection.yaml"
 CHORD_ERROR_MM = 0.001
@@ -59,7 +61,7 @@ def images(folder: Path, settings: int, looks: int) -> list[str]:
             pitch, (columns, rows) = run.get("pixels", 1) * camera.pixel_pitch_mm[0], camera.resolution
             size = (columns // run.get("pixels", 1), rows // run.get("pixels", 1))
             mine = replace(inspection, camera=replace(camera, pixel_pitch_mm=(pitch, pitch), resolution=size))
-            sensor = Sensor(blur_px=0.6, noise=run["noise"])
+            sensor = ImageSensor(blur_px=0.6, noise=run["noise"])
             with vg.open_executor(workers=2) as executor:
                 found = vg.validate(
                     mine,
@@ -194,7 +196,7 @@ def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001
     from five_settings import RECONSTRUCTION, RELATIVE_TOLERANCE
 
     experiment, n = RECONSTRUCTION, 10 * looks
-    camera, head, sensor = experiment.camera, experiment.pose_error, Sensor(blur_px=0.6, noise=0.01)
+    camera, head, sensor = experiment.camera, experiment.pose_error, ImageSensor(blur_px=0.6, noise=0.01)
     figure, axes = plt.subplots(2, 5, figsize=(13, 4.2), layout="constrained")
     lines = [
         "| setting | paper | independent | joint | ends rounded | counted in images | 99 % interval | measured |",

@@ -19,8 +19,8 @@ from pathlib import Path
 from playwright.sync_api import Page, sync_playwright
 
 import viewgauge as vg
+from viewgauge.jobs.workbench.what_if import WhatIf
 from viewgauge.web import open_workbench
-from viewgauge.workflow.what_if import WhatIf
 
 FACTORS = [0.8 + 0.02 * k for k in range(20)]
 FIELDS = ("pixel_pitch_mm", "edge_px", "focal_length_mm", "distance", "translation_mm", "rotation_rad")

@@ -14,7 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 import viewgauge as vg
-from viewgauge.workflow import Sensor
+from viewgauge.simulation.image_sensor import Sensor
 
 FILE = Path(__file__).parent / "real_camera.yaml"
 LOOKS = 4

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import viewgauge as vg
-from viewgauge.workflow import WhatIf
+from viewgauge.jobs.workbench.what_if import WhatIf
 
 HERE = Path(__file__).parent
 OF_ALL, OF_ONE = ("scene", "table", "budget"), ("laws", "accuracy", "directions")

@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import viewgauge as vg
+from viewgauge.execution.chunks import EvaluationJob, candidate_grid
+from viewgauge.jobs.planning.averaging_search import AddedLooks, add_looks, looks_chunk
 from viewgauge.planning import CandidateGrid, PlannedSetting
-from viewgauge.workflow.chunks import EvaluationJob, candidate_grid
-from viewgauge.workflow.looks import AddedLooks, add_looks, looks_chunk
 
 FILE = Path(__file__).parent / "looks.yaml"
 

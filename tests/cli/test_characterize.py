@@ -52,7 +52,7 @@ def test_with_the_mean_the_second_moment_is_written(capsys):
     values = errors(30)
     assert main(["characterize", "errors.csv", "-o", "head.yaml", "--with-mean"]) == 0
     capsys.readouterr()
-    from viewgauge.io.covariance_file import read_covariance
+    from viewgauge.formats.poses.covariance_file import read_covariance
 
     mean = values.mean(axis=0)
     assert read_covariance(Path("head.yaml")).covariance == pytest.approx(np.cov(values.T) + np.outer(mean, mean))

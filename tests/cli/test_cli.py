@@ -15,7 +15,7 @@ import pytest
 from box_inspection import SECTIONS, refused, write
 
 from viewgauge.cli import main
-from viewgauge.io import step_process
+from viewgauge.formats.step import kernel_process as step_process
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -500,7 +500,7 @@ def test_sampled_evaluates_what_a_plan_would_choose_from(capsys):
 def test_two_jobs_on_one_target(capsys, command):
     pytest.importorskip("zarr")
     pytest.importorskip("fcntl", reason="a POSIX system")
-    from viewgauge.io.journal import ChunkJournal
+    from viewgauge.formats.files.journal import ChunkJournal
 
     Path("out").mkdir()
     place, arguments = {
@@ -518,8 +518,8 @@ def test_two_jobs_on_one_target(capsys, command):
 @pytest.mark.parametrize("option", [["--workers", "1"], ["--scheduler", "tcp://127.0.0.1:8786"]])
 def test_without_dask(capsys, monkeypatch, option):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    monkeypatch.delitem(sys.modules, "viewgauge.workflow.cluster", raising=False)
-    monkeypatch.delattr("viewgauge.workflow.cluster", raising=False)
+    monkeypatch.delitem(sys.modules, "viewgauge.execution.cluster", raising=False)
+    monkeypatch.delattr("viewgauge.execution.cluster", raising=False)
     Path("s.csv").write_text(HEADER + ABOVE)
     for command in (plan, evaluate):
         assert 'pip install "viewgauge[distributed]"' in refused(capsys, *command(*option))
@@ -581,7 +581,7 @@ def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
     # many candidates, so that the plan is not done when the signal comes; it is sent once planning has begun
     write(candidates="{directions: 20000, rolls: 8, distances: 10}")
     code = (
-        "import signal, sys, viewgauge.workflow as w\n"
+        "import signal, sys, viewgauge.jobs as w\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a test run in the background ignores it
         "real = w.plan\n"
         "def plan(*a, **k):\n    print('begun', flush=True)\n    return real(*a, **k)\n"
@@ -613,12 +613,12 @@ def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
 @pytest.mark.parametrize("cause", [KeyboardInterrupt(), ValueError()])
 def test_ctrl_c_in_compiled_code_is_an_interrupt_and_other_system_errors_are_not(capsys, monkeypatch, cause):
     """A compiled function that is interrupted as it returns raises SystemError, caused by the interrupt."""
-    from viewgauge import workflow
+    import viewgauge as vg
 
     def interrupted(*_, **__):
         raise SystemError("a result with an exception set") from cause
 
-    monkeypatch.setattr(workflow, "plan", interrupted)
+    monkeypatch.setattr(vg, "plan", interrupted)
     if isinstance(cause, KeyboardInterrupt):
         assert main(["plan", "inspection.yaml", "-o", "out"]) == 130
         assert "interrupted" in capsys.readouterr().err

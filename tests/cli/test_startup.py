@@ -46,28 +46,35 @@ def after(*arguments: str) -> set[str]:
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["evaluate", "--help"]])
 def test_help_loads_nothing_heavy(arguments):
     modules = after(*arguments)
-    assert not modules & {*HEAVY, "viewgauge.workflow"}
+    assert not modules & {*HEAVY, "viewgauge.jobs"}
 
 
 def test_check_of_a_mesh_loads_no_kernel_no_report_and_no_simulation():
     modules = after("check", "inspection.yaml")
     assert "trimesh" in modules
-    absent = {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.simulation", "viewgauge.io.step"}
+    absent = {
+        "OCP",
+        "plotly",
+        "scipy.stats",
+        "viewgauge.report",
+        "viewgauge.simulation",
+        "viewgauge.formats.step.kernel",
+    }
     assert not modules & absent
 
 
 def test_evaluate_loads_no_kernel_no_report_and_no_statistics():
     modules = after("evaluate", "inspection.yaml", "--settings", "settings.csv", "-o", "table.csv")
     assert "numba" in modules
-    assert not modules & {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.io.step"}
+    assert not modules & {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.formats.step.kernel"}
 
 
 def test_a_step_file_s_reading_begins_before_anything_heavy_is_loaded():
     Path("part.step").write_text(STEP)
     Path("inspection.yaml").write_text(BOX.replace("box.stl", "part.step"))
     modules = loaded(
-        "from viewgauge.io import step_process\n"
-        "from viewgauge.workflow import load\n"
+        "from viewgauge.formats import step_process\n"
+        "from viewgauge.jobs import load\n"
         "class Started(Exception): pass\n"
         "def popen(*_, **__): raise Started\n"
         "step_process.subprocess.Popen = popen\n"
@@ -83,18 +90,8 @@ def test_a_step_file_s_reading_begins_before_anything_heavy_is_loaded():
 
 def test_the_child_loads_the_kernel_and_nothing_else_that_is_slow():
     pytest.importorskip("OCP")
-    modules = loaded("import viewgauge.io.step_child, viewgauge.io.step, viewgauge.io.brep_archive")
+    modules = loaded(
+        "import viewgauge.formats.step.kernel_child, viewgauge.formats.step.kernel, viewgauge.formats.step.brep_archive"
+    )
     assert "OCP" in modules
     assert not modules & (HEAVY - {"numpy", "OCP"})
-
-
-def test_a_job_is_a_function_also_after_its_module_was_imported():
-    loaded(
-        "import importlib, viewgauge as vg\n"
-        "import viewgauge.workflow as w\n"
-        "for name in w.__all__:\n"
-        "    importlib.import_module(w._HOME[name], 'viewgauge.workflow')\n"
-        "for name in ('load', 'check', 'evaluate', 'plan'):\n"
-        "    assert getattr(w, name) is getattr(vg, name) and callable(getattr(w, name)), name\n"
-        "assert set(w.__all__) == set(w._HOME) and set(w.__all__) <= set(dir(w))"
-    )

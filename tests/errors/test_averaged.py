@@ -12,7 +12,7 @@ from scipy import stats
 import viewgauge as vg
 from strategies import angles, positions, scales
 from viewgauge.errors import TotalError
-from viewgauge.errors.averaged import AveragedError
+from viewgauge.errors.joint.averaged import AveragedError
 
 STATED = 1e-10  # what the class promises
 USUAL = 1e-12  # where no width is far smaller than the others

@@ -13,7 +13,7 @@ from scipy import stats
 
 from strategies import positions, scales
 from viewgauge.errors import SpatialQuantization
-from viewgauge.errors.closed_form import central_probability, mean_absolute, total_cdf, total_pdf
+from viewgauge.errors.joint.closed_form import central_probability, mean_absolute, total_cdf, total_pdf
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT.parent / "shared" / "reference" / "quantization.csv"

@@ -20,9 +20,9 @@ from hypothesis import strategies as st
 from test_closed_form import characteristic_function, fourier_integral, nine_terms
 
 from strategies import positions, scales
-from viewgauge.errors import closed_form_array
-from viewgauge.errors.closed_form import central_probability
-from viewgauge.errors.closed_form_array import central_probability_into
+from viewgauge.errors.joint import closed_form_array
+from viewgauge.errors.joint.closed_form import central_probability
+from viewgauge.errors.joint.closed_form_array import central_probability_into
 from viewgauge.errors.quantization import quantization_half_widths
 from viewgauge.exceptions import InputError
 

@@ -18,9 +18,9 @@ from test_closed_form import characteristic_function, fourier_integral, integrat
 from test_closed_form_array import ANGLES, LIMITS, SPREADS, SWITCHES, deviation_of, series_coefficients
 
 from strategies import scales
-from viewgauge.errors import mean_absolute_array
-from viewgauge.errors.closed_form import mean_absolute
-from viewgauge.errors.mean_absolute_array import mean_absolute_into
+from viewgauge.errors.joint import mean_absolute_array
+from viewgauge.errors.joint.closed_form import mean_absolute
+from viewgauge.errors.joint.mean_absolute_array import mean_absolute_into
 from viewgauge.exceptions import InputError
 
 CLAIMED = 3e-12

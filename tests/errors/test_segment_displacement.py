@@ -21,7 +21,8 @@ from ratio_strategies import pixels, steady_ratios
 
 import viewgauge as vg
 from strategies import angles, pose_covariances
-from viewgauge.errors import IndependentTotalError, NormalRatio, SegmentDisplacement, TotalError, ratio_sum
+from viewgauge.errors import IndependentTotalError, NormalRatio, SegmentDisplacement, TotalError
+from viewgauge.errors.independent import ratio_sum
 
 REFERENCE = Path(__file__).resolve().parents[3] / "shared" / "reference" / "segment_probability.csv"
 F = 16.0

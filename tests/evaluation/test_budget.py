@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from strategies import points_in_front, pose_covariances, rigid_poses
 from viewgauge.evaluation import averaged_success_probability, image_segment, success_probability
-from viewgauge.evaluation.budget import SOURCES, averaged_error_budget, error_budget
-from viewgauge.geometry import Camera, PoseError, look_at
-from viewgauge.simulation.exact_camera import exact_length_errors, nominal_length
+from viewgauge.evaluation.error_budget import SOURCES, averaged_error_budget, error_budget
+from viewgauge.geometry import PoseError, look_at
+from viewgauge.sensors import Camera
+from viewgauge.simulation.full_camera import exact_length_errors, nominal_length
 
 CAMERA = Camera(16.0, (0.00345, 0.005), (2448, 2048), edge_resolution_px=0.5)
 

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from viewgauge.evaluation import image_segment, success_probability
-from viewgauge.evaluation.budget import SOURCES, averaged_error_budget, error_budget
+from viewgauge.evaluation.averaging import averaged_success_probability
+from viewgauge.evaluation.error_budget import SOURCES, averaged_error_budget, error_budget
 from viewgauge.evaluation.kernel import ProbabilityKernel
-from viewgauge.evaluation.looks import averaged_success_probability
 from viewgauge.evaluation.pair_columns import PairColumns
 from viewgauge.exceptions import InputError
-from viewgauge.geometry import Camera, EdgeLocator, Lens, PoseError, invert, look_at, transform, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.geometry import Lens, PoseError, invert, look_at, transform, view_block
+from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.sensors import Camera, EdgeLocator
 from viewgauge.simulation import estimate_averaged_probability, estimate_success_probabilities
 from viewgauge.visibility import VISIBLE
 

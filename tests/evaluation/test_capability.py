@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewgauge.evaluation.capability import (
+from viewgauge.evaluation.requirement.capability_indices import (
     cg,
     cgk,
     coverage,

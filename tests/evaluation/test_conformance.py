@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from viewgauge.evaluation.conformance import (
+from viewgauge.evaluation.requirement.decision_risks import (
     acceptance_limits,
     conformance_probability,
     global_risks,

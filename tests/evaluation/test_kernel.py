@@ -12,8 +12,9 @@ from viewgauge.evaluation import image_segment
 from viewgauge.evaluation.kernel import ProbabilityKernel
 from viewgauge.evaluation.pair_columns import PairColumns
 from viewgauge.evaluation.validity import _sizes
-from viewgauge.geometry import VIEWS, Camera, PoseError, invert, look_at, transform, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.geometry import VIEWS, PoseError, invert, look_at, transform, view_block
+from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.sensors import Camera
 from viewgauge.visibility import VISIBLE
 
 CAMERA = Camera(16.0, (0.00345, 0.0055), (2448, 2048), edge_resolution_px=0.5)

@@ -9,7 +9,7 @@ import viewgauge as vg
 from viewgauge.evaluation import Looks, averaged_success_probability, image_segment, success_probability
 from viewgauge.evaluation.kernel import ProbabilityKernel
 from viewgauge.geometry import invert, look_at, transform, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.part.measurand_table import GaugeTable
 from viewgauge.visibility import VISIBLE
 
 CAMERA = vg.Camera(16, (0.00345, 0.004), (2448, 2048), edge_resolution_px=0.3)

@@ -15,8 +15,8 @@ from scipy.stats import norm
 import viewgauge as vg
 from viewgauge.errors import TotalError
 from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, Process
-from viewgauge.evaluation.capability import cg, cgk, percent_p_to_t
-from viewgauge.evaluation.target_uncertainty import largest_uncertainty
+from viewgauge.evaluation.requirement.capability_indices import cg, cgk, percent_p_to_t
+from viewgauge.evaluation.requirement.target_uncertainty import largest_uncertainty
 
 CAPABLE = Process(capability=1.0)
 

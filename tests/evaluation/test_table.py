@@ -10,8 +10,9 @@ import xarray as xr
 
 from viewgauge.evaluation import COLUMNS, Requirement, as_dataset
 from viewgauge.evaluation.evaluator import Evaluator
-from viewgauge.geometry import Camera, PoseError, look_at
+from viewgauge.geometry import PoseError, look_at
 from viewgauge.part import Dimension, Gauge, Mesh
+from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)

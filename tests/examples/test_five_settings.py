@@ -13,7 +13,7 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.geometry import transform
-from viewgauge.simulation.exact_camera import draw_pose_errors
+from viewgauge.simulation.full_camera import draw_pose_errors
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "paper"
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from viewgauge.exceptions import InputError
-from viewgauge.geometry import Camera, Lens
+from viewgauge.geometry import Lens
+from viewgauge.sensors import Camera
 
 cv2 = pytest.importorskip("cv2")
 

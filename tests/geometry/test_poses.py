@@ -9,14 +9,7 @@ from hypothesis import strategies as st
 
 import viewgauge as vg
 from strategies import quaternions, rigid_poses
-from viewgauge.geometry import (
-    invert,
-    look_at,
-    pose_from_quaternion,
-    quaternion_from_pose,
-    require_poses,
-    transform,
-)
+from viewgauge.geometry import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
 from viewgauge.geometry.poses import skew
 
 coordinates = st.tuples(*[st.one_of(st.sampled_from([0.0, 100.0, -100.0]), st.floats(-500, 500))] * 3).map(np.array)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewgauge.geometry import Camera, Window
+from viewgauge.sensors import Camera, Window
 
 CAMERA = Camera(16.0, (0.01, 0.01), (320, 240))
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from viewgauge.geometry import Window
-from viewgauge.measurement.edges import BIAS_PX, EdgeFinder
+from viewgauge.measurement.image.edges import BIAS_PX, EdgeFinder
+from viewgauge.sensors import Window
 
 SIZE = 160
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewgauge.geometry import Camera, EdgeLocator, PoseError, invert, look_at, transform
-from viewgauge.measurement.length_law import length_law
-from viewgauge.simulation.exact_camera import simulate_length_errors
+from viewgauge.geometry import PoseError, invert, look_at, transform
+from viewgauge.measurement.image.length_law import length_law
+from viewgauge.sensors import Camera, EdgeLocator
+from viewgauge.simulation.full_camera import simulate_length_errors
 
 HEAD = PoseError.from_standard_deviations(0.1, 3e-4, pivot_mm=(0, 0, -16))
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)

@@ -11,7 +11,7 @@ from strategies import rigid_poses
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import PoseError, invert
 from viewgauge.measurement import PoseSamples, characterize_head, errors_about_group_means, errors_of_poses
-from viewgauge.simulation.exact_camera import draw_pose_errors
+from viewgauge.simulation.full_camera import draw_pose_errors
 
 DEVIATIONS = np.array([0.2, 0.1, 0.3, 4e-4, 2e-4, 6e-4])
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewgauge.geometry import Camera, Lens, invert, look_at, transform
-from viewgauge.measurement.edges import EdgeFinder
-from viewgauge.measurement.rim import find_rim
+from viewgauge.geometry import Lens, invert, look_at, transform
+from viewgauge.measurement.image.edges import EdgeFinder
+from viewgauge.measurement.image.rim import find_rim
+from viewgauge.sensors import Camera
+from viewgauge.simulation.image_sensor import ImageSensor
 from viewgauge.simulation.renderer import Renderer
-from viewgauge.simulation.sensor import Sensor
 
 RADIUS, SIDES = 10.0, 720  # of the plate, mm; as many-sided its radius is right to 1e-4 mm
 ANGLE = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
@@ -32,7 +33,7 @@ def diameter(angle):
 def seen(T, angle, camera=CAMERA, noise=0.0, rng=None, hidden=None, guess=None):
     """What the rim gives, and the true length, both mm on the image."""
     light = Renderer(PLATE, FAN, rays_per_pixel=89).radiance(T, camera)
-    grey = Sensor(blur_px=0.6, noise=noise, bits=12).grey(light, rng or np.random.default_rng(0)) / 4095
+    grey = ImageSensor(blur_px=0.6, noise=noise, bits=12).grey(light, rng or np.random.default_rng(0)) / 4095
     if hidden is not None:
         grey = np.where(hidden, 0.3, grey)
     expected = invert(T if guess is None else guess)

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import PoseError, invert, transform
 from viewgauge.measurement import PoseSamples, characterize_head
-from viewgauge.measurement.board import Board, Intrinsics, board_pose, find_corners, fit_intrinsics
-from viewgauge.measurement.robot_calibration import BoardViews, calibrate_robot, folds_of
-from viewgauge.simulation.exact_camera import draw_pose_errors
+from viewgauge.measurement.pose.board import Board, Intrinsics, board_pose, find_corners, fit_intrinsics
+from viewgauge.measurement.pose.robot_calibration import BoardViews, calibrate_robot, folds_of
+from viewgauge.simulation.full_camera import draw_pose_errors
 
 cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
 

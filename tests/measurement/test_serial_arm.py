@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import PoseError, invert
 from viewgauge.measurement import errors_of_poses, fit_serial_arm
-from viewgauge.simulation.exact_camera import draw_pose_errors
+from viewgauge.simulation.full_camera import draw_pose_errors
 
 HEAD = PoseError.from_standard_deviations((0.2, 0.1, 0.3), (4e-4, 2e-4, 6e-4))
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "positioner"
@@ -65,7 +65,7 @@ def test_too_few_poses_are_refused(joints):
 def test_a_real_positioner():
     """The size of the residuals that come with the data, fitted by others in another frame: 0.22, 0.22, 0.26 mm and
     0.35, 0.34, 0.79 mrad; frames differ, so to a third."""
-    from viewgauge.io.pose_samples_file import read_pose_samples
+    from viewgauge.formats.poses.pose_samples_file import read_pose_samples
 
     errors = read_pose_samples(SHARED / "measurements.yaml").samples.errors
     assert errors.shape == (205, 6)

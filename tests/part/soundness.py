@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewgauge.part.gauges import derive_dimensions
+from viewgauge.part.characteristics import derive_dimensions
 
 
 def only_dimension(brep):

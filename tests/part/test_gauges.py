@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from soundness import assert_normals_outward, assert_sound, distance_to_edge, only_dimension, only_reason
 
 from viewgauge.part import Callout
-from viewgauge.part.gauges import derive_dimensions
+from viewgauge.part.characteristics import derive_dimensions
 
 SLOT = (7, 9)
 HOLES = [(20.0, 20.0), (20.0, 40.0), (80.0, 20.0)]

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from viewgauge.exceptions import InputError
 from viewgauge.part import Mesh
+from viewgauge.part.characteristics.point_pairs import distance_to_triangles, gauge_on_mesh
 from viewgauge.part.feature_lines import brep_feature_lines, mesh_feature_lines
-from viewgauge.part.mesh_gauges import distance_to_triangles, gauge_on_mesh
 
 BOX = box_mesh([0, 0, 0], [60, 40, 30])
 

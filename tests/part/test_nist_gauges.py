@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viewgauge.io.step_process import read_step
-from viewgauge.part.gauges import derive_dimensions
-from viewgauge.part.mesh_gauges import gauge_on_mesh
+from viewgauge.formats.step.kernel_process import read_step
+from viewgauge.part.characteristics import derive_dimensions
+from viewgauge.part.characteristics.point_pairs import gauge_on_mesh
 
 pytest.importorskip("OCP", reason="the CAD kernel is not installed")
 

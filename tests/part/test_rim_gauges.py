@@ -5,7 +5,7 @@ import pytest
 from breps import callout, drilled_plate, edge, face, prism, slotted_block
 from soundness import assert_sound, only_dimension, only_reason
 
-from viewgauge.part.gauges import derive_dimensions
+from viewgauge.part.characteristics import derive_dimensions
 
 HOLES = [(20.0, 20.0), (20.0, 40.0), (80.0, 20.0)]
 

@@ -5,7 +5,7 @@ import numpy as np
 from viewgauge.evaluation import success_probability
 from viewgauge.geometry import invert, look_at, transform, view_block
 from viewgauge.part import Dimension, Gauge
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.part.measurand_table import GaugeTable
 from viewgauge.visibility import VISIBLE, Culling
 
 EVERY_WAY = np.vstack([np.eye(3), -np.eye(3)])

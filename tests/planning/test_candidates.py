@@ -7,14 +7,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from viewgauge.exceptions import InputError, NoCandidateError
-from viewgauge.geometry import Camera, require_poses
+from viewgauge.geometry import require_poses
 from viewgauge.part import Mesh
-from viewgauge.planning import (
-    CandidateGrid,
-    CandidateOptions,
-    default_distance_range,
-    spread_directions,
-)
+from viewgauge.planning import CandidateGrid, CandidateOptions, default_distance_range, spread_directions
+from viewgauge.sensors import Camera
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048))
 
@@ -177,7 +173,7 @@ def test_bad_options(options, key):
 def brute_force(gauges, mesh, options, seed):
     """Every combination, one after the other, without those whose camera is inside the box."""
     from viewgauge.geometry import look_at
-    from viewgauge.planning.candidates import _targets
+    from viewgauge.planning.candidates.candidate_grid import _targets
 
     low, high = mesh.bounds
     distances = np.geomspace(*options.distance_mm, options.distances)

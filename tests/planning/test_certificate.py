@@ -7,8 +7,9 @@ import pytest
 from bounded_regions import Shell, dimension, gauge, probabilities, random_poses
 
 from viewgauge.evaluation import Requirement
-from viewgauge.geometry import Camera, PoseError
+from viewgauge.geometry import PoseError
 from viewgauge.planning.bounds import Budget, certify
+from viewgauge.sensors import Camera
 from viewgauge.visibility import ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)

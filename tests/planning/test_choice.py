@@ -8,13 +8,7 @@ import numpy as np
 
 from viewgauge.evaluation import BestRows, CapabilityRequirement, Requirement, TableBlock
 from viewgauge.part import Dimension, Gauge, Unusable
-from viewgauge.planning import (
-    Undominated,
-    choose_settings,
-    compose_plan,
-    probability_levels,
-    without_allowed_error,
-)
+from viewgauge.planning import Undominated, choose_settings, compose_plan, probability_levels, without_allowed_error
 from viewgauge.visibility import REASONS
 
 REQUIRED = Requirement("error", 0.05, 0.9)

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_strategies import acceptances, level_tables
 
-from viewgauge.planning import cover as cover_module
 from viewgauge.planning import minimum_cover, surest_minimum_cover
+from viewgauge.planning.cover.minimum_cover import minimum_cover as cover_module
 
 
 def covers(accepted, chosen) -> bool:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from planning_strategies import acceptances, streamed_levels
 
 from viewgauge.planning import Undominated, probability_levels
-from viewgauge.planning.dominance import maximal_rows
+from viewgauge.planning.cover.dominance import maximal_rows
 
 
 def streamed(index, level, certain, chunks=1, order=None):

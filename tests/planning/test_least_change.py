@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from viewgauge.evaluation import Evaluator, Requirement
-from viewgauge.geometry import Camera, PoseError, look_at
+from viewgauge.geometry import PoseError, look_at
 from viewgauge.part import Dimension, Gauge, Mesh
-from viewgauge.planning.knobs import KNOBS, SetUp, scaled_head
-from viewgauge.planning.least_change import SHORT, largest_factor, meeting, met_interval
+from viewgauge.planning.improve.knobs import KNOBS, SetUp, scaled_head
+from viewgauge.planning.improve.least_change import SHORT, largest_factor, meeting, met_interval
+from viewgauge.sensors import Camera
 
 LENGTH, DEPTH, FOCAL, PITCH, REQUIRED = 40.0, 250.0, 12.0, 0.005, 0.9
 CAMERA = Camera(FOCAL, (PITCH, PITCH), (1200, 900), edge_resolution_px=0.25)

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from viewgauge.evaluation import Looks
-from viewgauge.planning.look_search import LEAST_SEPARATION_STEPS, LookCandidates
-from viewgauge.planning.look_shortlist import LookShortlist, look_scores
-from viewgauge.planning.looks import plan_looks
+from viewgauge.planning.averaging.acquisition_search import LEAST_SEPARATION_STEPS, LookCandidates
+from viewgauge.planning.averaging.averaged_viewpoints import plan_looks
+from viewgauge.planning.averaging.shortlist import LookShortlist, look_scores
 
 SPREAD = np.diag([0.01, 0.01, 0.04, 1e-6, 1e-6, 1e-6])
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from strategies import rigid_poses
 from viewgauge.geometry import invert, look_at, require_poses, transform
-from viewgauge.planning.pose_search import PoseSearch, moved_poses
+from viewgauge.planning.refine.pose_search import PoseSearch, moved_poses
 
 MOVES = st.tuples(*[st.one_of(st.just(0.0), st.floats(-0.8, 0.8))] * 6).map(np.array)
 

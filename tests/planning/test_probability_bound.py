@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 
 from strategies import pose_covariances
 from viewgauge.evaluation import image_segment
-from viewgauge.geometry import Camera, EdgeLocator, Lens, PoseError, look_at
+from viewgauge.geometry import Lens, PoseError, look_at
 from viewgauge.planning.bounds import Budget
-from viewgauge.planning.bounds.box import OUT, box_bounds
-from viewgauge.planning.bounds.branch import _Search, probability_bound
-from viewgauge.planning.bounds.distances import DistanceGrid
-from viewgauge.planning.bounds.eyes import reachable_distances
+from viewgauge.planning.bounds.box_bounds import OUT, box_bounds
+from viewgauge.planning.bounds.branch_and_bound import _Search, probability_bound
+from viewgauge.planning.bounds.distance_grid import DistanceGrid
+from viewgauge.planning.bounds.eye_region import reachable_distances
+from viewgauge.sensors import Camera, EdgeLocator
 from viewgauge.visibility import ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.2)

@@ -12,11 +12,12 @@ from hypothesis import given
 from planning_strategies import acceptances
 
 from viewgauge.evaluation import Evaluator, Requirement
-from viewgauge.geometry import Camera, PoseError, look_at
+from viewgauge.geometry import PoseError, look_at
 from viewgauge.part import Dimension, Gauge, Mesh
 from viewgauge.planning import Refiner, SettingPool
-from viewgauge.planning import refinement as refinement_module
-from viewgauge.planning.prices import dimension_prices
+from viewgauge.planning.cover.prices import dimension_prices
+from viewgauge.planning.refine import refinement as refinement_module
+from viewgauge.sensors import Camera
 
 CAMERA = Camera(12.0, (0.005, 0.005), (1200, 900), edge_resolution_px=0.25)
 HEAD = PoseError.from_standard_deviations(0.1, 5e-4, pivot_mm=(0, 0, -30))

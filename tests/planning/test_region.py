@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgauge.exceptions import InputError, NoCandidateError
-from viewgauge.geometry import Camera
 from viewgauge.part import Mesh
 from viewgauge.planning import CandidateGrid, CandidateOptions
-from viewgauge.planning.region import Hemisphere, Region
+from viewgauge.planning.region.allowed_region import Hemisphere, Region
+from viewgauge.sensors import Camera
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048))
 

@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from scipy.spatial import SphericalVoronoi
 
 from viewgauge.evaluation import Requirement
-from viewgauge.geometry import Camera, PoseError
+from viewgauge.geometry import PoseError
 from viewgauge.planning import spread_directions
 from viewgauge.planning.bounds import settings_lower_bound
 from viewgauge.planning.bounds.cells import AXES, AXES_APART_RAD
-from viewgauge.planning.cover import minimum_cover
+from viewgauge.planning.cover.minimum_cover import minimum_cover
+from viewgauge.sensors import Camera
 from viewgauge.visibility import ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)

@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as hnp
 from planning_strategies import level_tables
 
 from viewgauge.planning import minimum_cover
-from viewgauge.planning.travel import least_travel, shortest_tour, tour_length_mm
+from viewgauge.planning.cover.travel import least_travel, shortest_tour, tour_length_mm
 
 COORDINATES = st.sampled_from([0.0, 1.0, 1.0 + 1e-9, 300.0]) | st.floats(-500, 500)
 

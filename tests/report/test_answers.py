@@ -8,8 +8,8 @@ import re
 import pytest
 from test_report import HOSTILE, REQUIREMENT, Page
 
-from viewgauge.planning.catalogue import Sensor
-from viewgauge.planning.improvement import (
+from viewgauge.planning.improve.catalogue import SensorFormat
+from viewgauge.planning.improve.improvement import (
     CameraChoice,
     Change,
     DimensionChanges,
@@ -49,7 +49,7 @@ def improvement(name="E1"):
 
 
 def specification():
-    small, big = Sensor("small", (720, 540), 0.0069), Sensor("big", (4096, 3000), 0.00345)
+    small, big = SensorFormat("small", (720, 540), 0.0069), SensorFormat("big", (4096, 3000), 0.00345)
     return Specification(
         (
             CameraChoice(small, 16.0, (200.0, 300.0), 1, change(0.45678), 0.045678, None, change(0.3, 0.1)),

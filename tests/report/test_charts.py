@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import viewgauge as vg
 from viewgauge.evaluation import GaugeLaws
-from viewgauge.evaluation.budget import error_budget
-from viewgauge.planning.direction_map import DirectionMap
+from viewgauge.evaluation.error_budget import error_budget
+from viewgauge.planning.candidates.direction_map import DirectionMap
 from viewgauge.report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
 from viewgauge.report.palette import DARK, LIGHT, SOURCE_COLOURS, probability_colour, probability_scale
 
@@ -187,7 +187,7 @@ def test_words_can_be_read(theme, ink):
 
 
 def test_the_report_has_the_same_inks():
-    from viewgauge.report.page import resource
+    from viewgauge.report.page.report_page.report_page import resource
 
     css = resource("page.css")
     light, dark = css.split("@media (prefers-color-scheme: dark)", 1)

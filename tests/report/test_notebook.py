@@ -9,7 +9,7 @@ import pytest
 import viewgauge as vg
 from viewgauge.evaluation import GaugeLaws, as_dataset
 from viewgauge.part import Dimension, Gauge
-from viewgauge.planning.result import Plan, PlannedDimension, PlannedSetting
+from viewgauge.planning.compose import Plan, PlannedDimension, PlannedSetting
 
 GAUGE = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
 

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from viewgauge.evaluation.requirement import Requirement
-from viewgauge.geometry.camera import Camera
+from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.part import Mesh, Part
-from viewgauge.planning.result import Plan, PlannedDimension, PlannedSetting
+from viewgauge.planning.compose import Plan, PlannedDimension, PlannedSetting
 from viewgauge.report import render_report
-from viewgauge.report.scene import TRIANGLE_LIMIT
+from viewgauge.report.pictures.part_scene import TRIANGLE_LIMIT
+from viewgauge.sensors.camera import Camera
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), 0.1)
 REQUIREMENT = Requirement("accuracy", 0.998, 0.95)

@@ -15,12 +15,12 @@ from PIL import Image
 from test_report import Page
 
 import viewgauge as vg
-from viewgauge.evaluation.budget import GROUPS
+from viewgauge.evaluation.error_budget import GROUPS
+from viewgauge.jobs.budgets import error_budgets, figures_of_gauges
+from viewgauge.jobs.improvement.improve import settled_improvement
+from viewgauge.jobs.laws import gauge_laws
+from viewgauge.jobs.write_report import plan_details, plan_report
 from viewgauge.report import render_report
-from viewgauge.workflow import error_budgets, figures_of_gauges
-from viewgauge.workflow.improve import settled_improvement
-from viewgauge.workflow.laws import gauge_laws
-from viewgauge.workflow.report import plan_details, plan_report
 
 BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "inspection.yaml"
 STEP = 1e-4

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import viewgauge as vg
 from viewgauge.evaluation import image_segment, success_probability
 from viewgauge.simulation import Estimate, estimate_success_probability, simulate_length_errors
-from viewgauge.simulation.exact_camera import draw_pose_errors
+from viewgauge.simulation.full_camera import draw_pose_errors
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT.parent / "shared" / "reference" / "segment_probability.csv"

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewgauge.geometry import Camera, Lens, Window, look_at
+from viewgauge.geometry import Lens, look_at
+from viewgauge.sensors import Camera, Window
+from viewgauge.simulation.image_sensor import ImageSensor
 from viewgauge.simulation.partial_image import partial_image
 from viewgauge.simulation.renderer import Renderer
-from viewgauge.simulation.sensor import Sensor
 from viewgauge.simulation.true_camera import true_camera
 
 CAMERA = Camera(12.0, (0.005, 0.005), (120, 90))
@@ -19,7 +20,9 @@ TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])
 T = look_at(np.array([[0.0, 0, 250]]), np.zeros((1, 3)), np.array([0.3]))[0]
 
 
-@pytest.mark.parametrize("sensor", [Sensor(blur_px=1.3), Sensor(), Sensor(black_and_white=True), Sensor(bits=12)])
+@pytest.mark.parametrize(
+    "sensor", [ImageSensor(blur_px=1.3), ImageSensor(), ImageSensor(black_and_white=True), ImageSensor(bits=12)]
+)
 def test_in_the_windows_the_whole_image_and_elsewhere_nothing(sensor):
     renderer, windows = Renderer(PLATE, TRIANGLES), [Window(0, 0, 30, 30), Window(20, 10, 90, 60)]
     rng = np.random.default_rng(0)

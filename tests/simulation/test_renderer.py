@@ -9,12 +9,13 @@ import pytest
 from scipy.stats import kstest
 
 from viewgauge.exceptions import InputError
-from viewgauge.geometry import Camera, Lens, PoseError, Window, invert, look_at, transform
+from viewgauge.geometry import Lens, PoseError, invert, look_at, transform
 from viewgauge.measurement import errors_of_poses
+from viewgauge.sensors import Camera, Window
 from viewgauge.simulation.displaced_poses import displaced_poses
-from viewgauge.simulation.exact_camera import exact_length_errors
+from viewgauge.simulation.full_camera import exact_length_errors
+from viewgauge.simulation.image_sensor import ImageSensor
 from viewgauge.simulation.renderer import FIBONACCI, Renderer
-from viewgauge.simulation.sensor import Sensor
 
 CAMERA = Camera(12.0, (0.005, 0.005), (120, 90))
 PLATE = np.array([[-4.0, -3, 0], [4, -3, 0], [4, 3, 0], [-4, 3, 0]])
@@ -104,7 +105,7 @@ def test_faces_differ_and_the_background_is_dark():
 
 def test_the_paper_s_pixel_is_on_when_more_than_half_is_covered():
     light = np.array([[0.0, 0.49, 0.5, 0.51, 1.0]], dtype=np.float32)
-    grey = Sensor(black_and_white=True).grey(light, np.random.default_rng(0))
+    grey = ImageSensor(black_and_white=True).grey(light, np.random.default_rng(0))
     assert grey.tolist() == [[0, 0, 0, 255, 255]]
 
 
@@ -113,12 +114,14 @@ def test_noise_blur_and_bits(bits):
     full = 2**bits - 1
     light = np.zeros((200, 400), dtype=np.float32)
     light[:, 200:] = 0.8
-    clean = Sensor(bits=bits).grey(light, np.random.default_rng(0))
+    clean = ImageSensor(bits=bits).grey(light, np.random.default_rng(0))
     assert set(np.unique(clean)) == {0, round(0.8 * full)}
-    noisy = Sensor(noise=0.02, bits=bits).grey(light, np.random.default_rng(1)).astype(float)
+    noisy = ImageSensor(noise=0.02, bits=bits).grey(light, np.random.default_rng(1)).astype(float)
     # 80,000 pixels: a deviation is off by 0.25 % (one sigma); rounding adds 1/12
     assert noisy[:, 200:].std() == pytest.approx(np.hypot(0.02 * full, 12**-0.5), rel=0.0125)
-    blurred = Sensor(blur_px=3.0, bits=bits).grey(light, np.random.default_rng(2))[100].astype(float) / (0.8 * full)
+    blurred = ImageSensor(blur_px=3.0, bits=bits).grey(light, np.random.default_rng(2))[100].astype(float) / (
+        0.8 * full
+    )
     slope = np.diff(blurred)
     centre = slope @ np.arange(399) / slope.sum()
     assert centre == pytest.approx(199, abs=0.05)
@@ -128,7 +131,7 @@ def test_noise_blur_and_bits(bits):
 def test_bad_numbers_are_told():
     for change in ({"blur_px": -1.0}, {"noise": float("nan")}, {"bits": 10}):
         with pytest.raises(InputError, match=next(iter(change))):
-            Sensor(**change)
+            ImageSensor(**change)
     with pytest.raises(InputError, match="rays"):
         Renderer(PLATE, TRIANGLES, rays_per_pixel=30)
     assert FIBONACCI[3] == 34

@@ -6,8 +6,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viewgauge.geometry import VIEWS, Camera, invert, look_at, transform, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.geometry import VIEWS, invert, look_at, transform, view_block
+from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, VISIBLE, Culling, ObservationLimits
 
 

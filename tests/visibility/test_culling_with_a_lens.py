@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewgauge.geometry import Camera, Lens, invert, look_at, transform, view_block
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.geometry import Lens, invert, look_at, transform, view_block
+from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, Culling, ObservationLimits
 
 PINHOLE = Camera(6.0, (0.00345, 0.00345), (2448, 2048))

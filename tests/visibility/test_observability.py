@@ -11,9 +11,10 @@ import pytest
 from box_solids import BOX, POCKET, SLOTTED, STEPPED, BoxSolid, edge_points
 
 from viewgauge.exceptions import InputError
-from viewgauge.geometry import VIEWS, Camera, look_at, view_block
+from viewgauge.geometry import VIEWS, look_at, view_block
 from viewgauge.part import Dimension, Gauge, Mesh
-from viewgauge.part.gauge_table import GaugeTable
+from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, VISIBLE, ObservationLimits, Occluder, SightLines, observe
 
 # a view of almost half the space, so that nothing but the part decides

@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("viser")
 
+from viewgauge.jobs.workbench.what_if import WhatIf
 from viewgauge.web.picking import picked
-from viewgauge.workflow.what_if import WhatIf
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,9 @@ pytest.importorskip("viser")
 
 import viewgauge as vg
 from viewgauge.exceptions import InputError
+from viewgauge.execution.child_process import Job
+from viewgauge.jobs.workbench.child_jobs import load_uploaded
 from viewgauge.web.uploads import INSPECTION_SUFFIXES, OTHER_SUFFIXES, stored
-from viewgauge.workflow import Job, load_uploaded
 
 BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 

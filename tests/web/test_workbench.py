@@ -16,7 +16,7 @@ import trimesh
 
 import viewgauge as vg
 from viewgauge.geometry import quaternion_from_pose
-from viewgauge.workflow.what_if import WhatIf
+from viewgauge.jobs.workbench.what_if import WhatIf
 
 pytest.importorskip("viser")
 

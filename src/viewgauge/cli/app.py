@@ -18,23 +18,25 @@ from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
+import viewgauge as vg
+
 from ..exceptions import ViewgaugeError
-from .bench import workbench
 from .camera import camera
-from .head import characterize
+from .characterize import characterize
 from .images import measure, simulate, validate
-from .inverse import improve, specify
+from .improve import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
 from .progress import Bars
+from .workbench import workbench
 
 __all__ = ["main"]
 
 _BAD_INPUT = 2
 _INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
-# as workflow/chunks.py and planning/cover.py have them, which take long to import; a test compares
+# as execution/chunks.py and planning/cover/minimum_cover.py have them, which take long to import; a test compares
 _SETTINGS_PER_CHUNK, _TIME_LIMIT_S = 16_384, 60.0
 
 
@@ -93,14 +95,14 @@ def _plan(
     gap
         End the search for the fewest when the lower bound is within this share of their number.
     """
-    from .. import workflow
+    from ..jobs.write import describe_plan, output_folder
 
     bars = Bars()
-    with workflow.output_folder(output):
+    with output_folder(output):
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.plan)  # which imports it
-        with workflow.open_executor(scheduler, workers) as executor:
-            plan = workflow.plan(
+            inspection = vg.load(file, part=part, meanwhile=lambda: vg.plan)  # which imports it
+        with vg.open_executor(scheduler, workers) as executor:
+            plan = vg.plan(
                 inspection,
                 seed=seed,
                 progress=bars,
@@ -113,8 +115,8 @@ def _plan(
                 gap=gap,
             )
         with bars.stage("Writing the report"):
-            workflow.write_plan(plan, inspection, output)
-    document = workflow.describe_plan(plan, inspection)
+            vg.write_plan(plan, inspection, output)
+    document = describe_plan(plan, inspection)
     if json:
         print_json(document)
     else:
@@ -161,16 +163,16 @@ def _evaluate(
     columns
         Columns to write, separated by commas; by default all.
     """
-    from .. import workflow
+    from ..jobs.write import output_folder, require_table_name
 
     if output is not None:
-        workflow.require_table_suffix(output)
+        require_table_name(output)
     bars = Bars()
-    with workflow.output_folder(output.parent) if output is not None else nullcontext():
+    with output_folder(output.parent) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part, meanwhile=lambda: workflow.evaluate_into)  # which imports it
-        with workflow.open_executor(scheduler, workers) as executor:
-            evaluation = workflow.evaluate_into(
+            inspection = vg.load(file, part=part, meanwhile=lambda: vg.evaluate_into)  # which imports it
+        with vg.open_executor(scheduler, workers) as executor:
+            evaluation = vg.evaluate_into(
                 inspection,
                 output,
                 settings,
@@ -183,7 +185,7 @@ def _evaluate(
                 settings_per_chunk=chunk,
             )
     best, count = evaluation.best_of_each(), evaluation.settings
-    refused = workflow.check(inspection)["not_measurable"]
+    refused = vg.check(inspection)["not_measurable"]
     if json:
         print_json({"settings": count, "method": method, "best": best, "not_measurable": refused})
     else:
@@ -202,10 +204,9 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
     file
         The inspection file (YAML).
     """
-    from .. import workflow
 
     with Bars().stage("Reading the inspection and its part"):
-        document = workflow.check(workflow.load(file, part=part))
+        document = vg.check(vg.load(file, part=part))
     if json:
         print_json(document)
     else:

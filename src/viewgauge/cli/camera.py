@@ -32,12 +32,12 @@ def camera(
     output
         The calibration as OpenCV's YAML, every digit kept.
     """
-    from .. import workflow
+    from ..jobs.calibration import describe_calibration, read_calibration, write_opencv_camera
 
-    calibration = workflow.read_calibration(file, name)
+    calibration = read_calibration(file, name)
     if output is not None:
-        workflow.write_opencv_camera(output, calibration)
-    document = workflow.describe_calibration(calibration)
+        write_opencv_camera(output, calibration)
+    document = describe_calibration(calibration)
     if json:
         print_json(document)
     else:

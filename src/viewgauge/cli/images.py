@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+import viewgauge as vg
+
 from .options import DONE, NOT_MET, Json, PartFile, Workers, count, whole_number
 from .output import print_json
 from .progress import Bars
@@ -65,14 +67,14 @@ def simulate(
     chord_error
         How far the mesh may be from curved faces, mm; finer makes holes rounder.
     """
-    from .. import workflow
+    from ..jobs.write import output_folder
 
     bars = Bars()
-    with workflow.output_folder(output):
+    with output_folder(output):
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part, chord_error_mm=chord_error)
-        sensor = workflow.Sensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
-        images = workflow.simulate(
+            inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+        sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
+        images = vg.simulate(
             inspection,
             output,
             settings,
@@ -118,13 +120,13 @@ def measure(
     edges
         whole-pixel puts each end to the nearest corner of pixels, as the 1998 paper's locator does.
     """
-    from .. import workflow
+    from ..jobs.write import output_folder
 
     bars = Bars()
-    with workflow.output_folder(output) if output is not None else nullcontext():
+    with output_folder(output) if output is not None else nullcontext():
         with bars.stage("Reading the inspection and its part"):
-            inspection = workflow.load(file, part=part)
-        rows = workflow.measure(inspection, plan, images, output, edges=edges, progress=bars)
+            inspection = vg.load(file, part=part)
+        rows = vg.measure(inspection, plan, images, output, edges=edges, progress=bars)
     if json:
         print_json([asdict(row) for row in rows])
     else:
@@ -182,14 +184,14 @@ def validate(
     output
         CSV of all pairs of settings and dimensions.
     """
-    from .. import workflow
+    from ..jobs.images.validate import describe_validation, write_validation
 
     bars = Bars()
     with bars.stage("Reading the inspection and its part"):
-        inspection = workflow.load(file, part=part, chord_error_mm=chord_error)
-    sensor = workflow.Sensor(blur_px=blur, noise=noise, bits=bits)
-    with workflow.open_executor(None, workers) as executor:
-        found = workflow.validate(
+        inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+    sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits)
+    with vg.open_executor(None, workers) as executor:
+        found = vg.validate(
             inspection,
             settings,
             sample=sample,
@@ -202,8 +204,8 @@ def validate(
             executor=executor,
         )
     if output is not None:
-        workflow.write_validation(found, output)
-    document = workflow.describe_validation(found)
+        write_validation(found, output)
+    document = describe_validation(found)
     if json:
         print_json(document)
     else:

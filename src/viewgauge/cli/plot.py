@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+import viewgauge as vg
+
 from .options import DONE, PartFile
 from .progress import Bars
 
@@ -42,14 +44,14 @@ def plot(
     dark
         Light on dark.
     """
-    from .. import workflow
+    from ..jobs.read_plan import require_plan_of
 
     with Bars().stage("Reading the inspection and its part"):
-        inspection = workflow.load(file, part=part)
-    made = workflow.read_plan(plan)
-    workflow.require_plan_of(made, inspection)
+        inspection = vg.load(file, part=part)
+    made = vg.read_plan(plan)
+    require_plan_of(made, inspection)
     with Bars().stage("Drawing"):
-        chart = workflow.plan_chart(inspection, made, what, dimension, dark=dark)
-        workflow.write_chart(chart, output, f"{inspection.name}: {what}")
+        chart = vg.plan_chart(inspection, made, what, dimension, dark=dark)
+        vg.write_chart(chart, output, f"{inspection.name}: {what}")
     print(f"written to {output}")
     return DONE

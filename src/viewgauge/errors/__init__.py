@@ -1,13 +1,13 @@
 """Probability laws of the error of a segment's image length. They take numbers, not geometry."""
 
 from .accuracy import Accuracy
-from .averaged import AveragedError
 from .edge_location import edge_point_deviation, ellipse_chord_variance, line_end_variance
-from .independent_total import IndependentTotalError
-from .marsaglia import MarsagliaForm, marsaglia_form
-from .normal_ratio import NormalRatio
-from .paper_form import covariance_numerator_denominator, lambdas
-from .point_displacement import PointDisplacement
+from .independent.independent_total import IndependentTotalError
+from .independent.marsaglia import MarsagliaForm, marsaglia_form
+from .independent.normal_ratio import NormalRatio
+from .independent.paper_form import covariance_numerator_denominator, lambdas
+from .independent.point_displacement import PointDisplacement
+from .joint.averaged import AveragedError
 from .projected_length import projected_length, projected_length_on_axis
 from .quantization import SpatialQuantization
 from .segment_displacement import SegmentDisplacement

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
-from .independent_total import IndependentTotalError
+from .independent.independent_total import IndependentTotalError
 from .law import Law, require_finite, require_not_negative
 from .total import TotalError
 

@@ -7,13 +7,13 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..drawing import Drawable
 from ..exceptions import InputError
-from ..shown import Shown
 
 __all__ = ["Law"]
 
 
-class Law(Shown, ABC):
+class Law(Drawable, ABC):
     """A continuous law of one real error; parameters and arguments broadcast like NumPy arrays."""
 
     @abstractmethod

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
-from .closed_form import total_cdf, total_pdf
+from .joint.closed_form import total_cdf, total_pdf
 from .law import Law, require_finite, require_not_negative
 
 __all__ = ["SpatialQuantization", "quantization_half_widths"]

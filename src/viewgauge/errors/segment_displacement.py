@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
-from .independent_total import IndependentTotalError
+from .independent.independent_total import IndependentTotalError
+from .independent.point_displacement import PointDisplacement
 from .law import Law
-from .point_displacement import PointDisplacement
 from .total import TotalError
 
 __all__ = ["IndependentDisplacement", "JointDisplacement", "SegmentDisplacement"]

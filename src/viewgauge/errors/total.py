@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
-from .closed_form import central_probability, mean_absolute, total_cdf, total_pdf
+from .joint.closed_form import central_probability, mean_absolute, total_cdf, total_pdf
 from .law import Law, require_not_negative
 from .quantization import SpatialQuantization
 
-if TYPE_CHECKING:
-    from .independent_total import IndependentTotalError
-    from .segment_displacement import SegmentDisplacement
+_Total = TypeVar("_Total", bound=Law, covariant=True)
 
 __all__ = ["TotalError"]
+
+
+class _Displacement(Protocol[_Total]):
+    def plus_quantization(self, pixel_pitch_mm: ArrayLike) -> _Total: ...
 
 
 class TotalError(Law):
@@ -52,7 +54,7 @@ class TotalError(Law):
         return law
 
     @staticmethod
-    def of(displacement: SegmentDisplacement, pixel_pitch_mm: ArrayLike) -> TotalError | IndependentTotalError:
+    def of(displacement: _Displacement[_Total], pixel_pitch_mm: ArrayLike) -> _Total:
         """Total error of a displacement law of either model: closed form for joint, by series for independent."""
         return displacement.plus_quantization(pixel_pitch_mm)
 

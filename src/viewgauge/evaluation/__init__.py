@@ -1,13 +1,13 @@
 """How well sensor settings measure dimensions."""
 
+from .averaging import Looks, averaged_success_probability
 from .best_rows import BestRows
-from .capability_requirement import CapabilityRequirement
-from .conformance_requirement import ConformanceRequirement, Process
+from .capability_figures import GaugeFigures, gauge_figures, spread_mm
 from .evaluator import Accepted, Evaluator, TableBlock
-from .gauge_figures import GaugeFigures, gauge_figures, spread_mm
-from .gauge_laws import GaugeLaws
-from .looks import Looks, averaged_success_probability
-from .requirement import Requirement
+from .measurand_laws import GaugeLaws
+from .requirement.allowed_error import Requirement
+from .requirement.capability import CapabilityRequirement
+from .requirement.conformance import ConformanceRequirement, Process
 from .segment import SegmentImage, image_segment, success_probability
 from .table import COLUMNS, as_dataset
 from .validity import WARNINGS, probability_error, validity

@@ -29,9 +29,10 @@ from numpy.typing import NDArray
 
 from ..errors import line_end_variance
 from ..errors.edge_location import chord_variance
-from ..geometry import VIEWS, Camera, Lens
+from ..geometry import VIEWS, Lens
 from ..geometry.lens import coefficient_derivatives, distorted
-from ..part.gauge_table import GaugeTable
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 
 __all__ = ["CameraErrors", "PairCameraErrors", "camera_errors"]
 

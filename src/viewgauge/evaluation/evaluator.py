@@ -12,14 +12,15 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import VIEWS, Camera, PoseError, invert, transform, view_block
+from ..geometry import VIEWS, PoseError, invert, transform, view_block
 from ..part import Dimension, Mesh
-from ..part.gauge_table import GaugeTable
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 from ..visibility import VISIBLE, Culling, ObservationLimits, Occluder, SightLines
-from .best_gauges import best_gauges
+from .best_measurands import best_gauges
 from .kernel import ProbabilityKernel
 from .pair_columns import PairColumns
-from .requirement import Requirement
+from .requirement.allowed_error import Requirement
 from .segment import FirstOrderMethod, SegmentImage, image_segment, require_plain
 from .validity import NEGLIGIBLE, WARNINGS, validity
 

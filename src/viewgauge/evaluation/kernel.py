@@ -2,7 +2,7 @@
 
 The same mathematics as :func:`~viewgauge.evaluation.image_segment` with "joint", for all pairs of a block of settings
 and some gauges. Two compiled passes over a tile of pairs that stays in the second-level cache: projection, Jacobian,
-variance and quantization here; the law of the total error in :mod:`viewgauge.errors.closed_form_array`.
+variance and quantization here; the law of the total error in :mod:`viewgauge.errors.joint.closed_form_array`.
 
 Everything is in units of the focal length (tangents of image directions), in which the probability does not depend on
 it. With ``(x_i, y_i) = (X_i, Y_i)/Z_i``, l the length of their difference and (c, s) its direction, the Jacobian of the
@@ -22,9 +22,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors.closed_form_array import central_probability_into
-from ..geometry import VIEWS, Camera, PoseError
-from ..part.gauge_table import GaugeTable
+from ..errors.joint.closed_form_array import central_probability_into
+from ..geometry import VIEWS, PoseError
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 from ..visibility import VISIBLE
 from .camera_errors import PairCameraErrors
 

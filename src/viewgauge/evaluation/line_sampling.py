@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from ..geometry import Camera, PoseError, invert, transform
+from ..geometry import PoseError, invert, transform
+from ..sensors import Camera
 from .camera_errors import camera_errors
 
 __all__ = ["NODES", "WEIGHTS", "line_probabilities", "location_deviations"]

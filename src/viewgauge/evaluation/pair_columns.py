@@ -13,9 +13,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors.mean_absolute_array import mean_absolute_into
-from ..geometry import VIEWS, Camera, PoseError
-from ..part.gauge_table import GaugeTable
+from ..errors.joint.mean_absolute_array import mean_absolute_into
+from ..geometry import VIEWS, PoseError
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 from .camera_errors import PairCameraErrors
 
 __all__ = ["PairColumns", "PairValues"]

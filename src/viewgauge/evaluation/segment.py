@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import IndependentTotalError, SegmentDisplacement, TotalError
 from ..exceptions import InputError
-from ..geometry import Camera, PoseError, point_jacobian
+from ..geometry import PoseError, point_jacobian
+from ..sensors import Camera
 from .camera_errors import CameraErrors, camera_errors
 
 __all__ = ["FirstOrderMethod", "SegmentImage", "image_segment", "require_plain", "success_probability"]

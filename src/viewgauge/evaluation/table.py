@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drawing import drawing
 from ..part import Dimension
 from ..visibility import REASONS
 from .validity import WARNINGS
@@ -47,10 +48,7 @@ def _give_picture() -> None:
 
         def plot(self, *, dark: bool = False) -> Figure:
             """A map of probabilities, settings down and dimensions across, as a Plotly figure."""
-            from importlib import import_module
-
-            figure: Figure = import_module("viewgauge.report.notebook").table_figure(self._table, dark=dark)
-            return figure
+            return drawing().table_figure(self._table, dark=dark)
 
     xr.register_dataset_accessor("viewgauge")(TableAccessor)  # type: ignore[no-untyped-call]
 

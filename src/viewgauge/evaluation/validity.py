@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
-from ..geometry import Camera, PoseError, point_jacobian
+from ..geometry import PoseError, point_jacobian
+from ..sensors import Camera
 from .line_sampling import NODES, WEIGHTS, line_probabilities, location_deviations
 
 __all__ = ["NEGLIGIBLE", "WARNINGS", "probability_error", "validity"]

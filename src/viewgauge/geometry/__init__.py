@@ -1,21 +1,15 @@
 """Poses, the camera and its lens, the pose error of the head and its effect on image points."""
 
-from .camera import Camera
-from .edge_locator import EdgeLocator
 from .image_jacobian import point_jacobian
 from .lens import Lens
 from .pose_error import PoseError
 from .poses import invert, look_at, pose_from_quaternion, quaternion_from_pose, require_poses, transform
 from .view_block import VIEWS, view_block
-from .window import Window
 
 __all__ = [
     "VIEWS",
-    "Camera",
-    "EdgeLocator",
     "Lens",
     "PoseError",
-    "Window",
     "invert",
     "look_at",
     "point_jacobian",

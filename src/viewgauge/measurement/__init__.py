@@ -1,8 +1,8 @@
 """What measurements say: of the head that carries the camera."""
 
-from .head_character import HeadCharacter, characterize_head, small_sample_factor
-from .pose_samples import PoseSamples, errors_about_group_means, errors_of_poses
-from .serial_arm import fit_serial_arm
+from .pose.pose_covariance import HeadCharacter, characterize_head, small_sample_factor
+from .pose.pose_samples import PoseSamples, errors_about_group_means, errors_of_poses
+from .pose.serial_arm import fit_serial_arm
 
 __all__ = [
     "HeadCharacter",

@@ -1,7 +1,7 @@
 """The part: its surface, its dimensions and the gauges by which they are measured."""
 
 from .brep import Brep, Callout, Edge, Face, Reference
-from .dimension import Dimension, Gauge, Part, Unusable
+from .characteristic import Dimension, Gauge, Part, Unusable
 from .mesh import Mesh
 
 __all__ = ["Brep", "Callout", "Dimension", "Edge", "Face", "Gauge", "Mesh", "Part", "Reference", "Unusable"]

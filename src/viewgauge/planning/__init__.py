@@ -1,13 +1,13 @@
 """Which settings to use: candidates around the part, and the fewest of them that measure everything."""
 
-from .candidates import CandidateGrid, default_distance_range, spread_directions
-from .cover import Cover, minimum_cover, surest_minimum_cover
-from .dominance import Undominated, probability_levels
-from .options import CandidateOptions
-from .plan import Averaged, assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
-from .refinement import Refinement, RefinementStep, Refiner
-from .result import Look, Plan, PlannedDimension, PlannedSetting
-from .setting_pool import SettingPool
+from .candidates.candidate_grid import CandidateGrid, default_distance_range, spread_directions
+from .candidates.candidate_options import CandidateOptions
+from .compose import Averaged, assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
+from .cover.dominance import Undominated, probability_levels
+from .cover.minimum_cover import Cover, minimum_cover, surest_minimum_cover
+from .cover.viewpoint_pool import SettingPool
+from .plan import Look, Plan, PlannedDimension, PlannedSetting
+from .refine.refinement import Refinement, RefinementStep, Refiner
 
 __all__ = [
     "Averaged",

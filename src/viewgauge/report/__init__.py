@@ -1,10 +1,10 @@
 """Showing a plan, and what to improve: self-contained HTML files that work offline, and charts."""
 
-from .answers import render_improvement, render_specification
-from .chart_page import render_chart
-from .details import PlanDetails
-from .page import render_report
-from .view_picture import SeenDimension, SettingView, view_picture
+from .page.answer_pages import render_improvement, render_specification
+from .page.chart_page import render_chart
+from .page.details import PlanDetails
+from .page.report_page import render_report
+from .pictures.view_picture import SeenDimension, SettingView, view_picture
 
 __all__ = [
     "PlanDetails",

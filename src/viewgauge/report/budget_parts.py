@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..evaluation.budget import GROUPS, ErrorBudget
+from ..evaluation.error_budget import GROUPS, ErrorBudget
 
 __all__ = ["PARTS", "WORDS", "shares_of", "shown_parts"]
 

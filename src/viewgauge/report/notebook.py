@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from ..errors.law import Law
 from ..evaluation import GaugeLaws
-from ..geometry import Camera
 from ..part import Part
 from ..planning import Plan
+from ..sensors import Camera
 from .charts import Figure, accuracy_chart, laws_chart, table_chart
 from .charts.style import axis, figure, theme_of
+from .page.summary import verdict
+from .page.tables import STATUS_WORDS
 from .palette import SETTING_COLOURS, UNMET_COLOUR
-from .scene import build_scene, gauge_scene
-from .summary import verdict
-from .tables import STATUS_WORDS
+from .pictures.part_scene import build_scene, gauge_scene
 from .wording import DASH, element, length, probability
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from ..planning.result import Plan
+from ..planning.plan import Plan
 
 __all__ = [
     "DARK",

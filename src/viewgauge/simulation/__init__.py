@@ -1,7 +1,7 @@
 """The exact camera by brute force, independent of the laws it judges."""
 
-from .exact_camera import Estimate, estimate_success_probability, simulate_length_errors
-from .looks import estimate_averaged_probability, simulate_mean_errors
+from .averaged_errors import estimate_averaged_probability, simulate_mean_errors
+from .full_camera import Estimate, estimate_success_probability, simulate_length_errors
 from .quasi_monte_carlo import ExactEstimates, estimate_success_probabilities, require_precision
 
 __all__ = [

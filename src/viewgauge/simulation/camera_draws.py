@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from ..geometry import Camera, Lens
+from ..geometry import Lens
 from ..geometry.lens import distort_each
+from ..sensors import Camera
 
 __all__ = ["CameraDraws", "covariance_factor", "end_deviation_px", "measured_images"]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import PoseError, invert
-from .exact_camera import draw_pose_errors
+from .full_camera import draw_pose_errors
 
 __all__ = ["displaced_poses"]
 
@@ -16,7 +16,7 @@ def displaced_poses(
 ) -> NDArray[np.float64]:
     """``(looks, 4, 4)`` mm: the camera's pose in each look that is meant to be at ``T_part_camera``.
 
-    The scene, seen from the head, is displaced (:func:`~viewgauge.simulation.exact_camera.draw_pose_errors`); what is
+    The scene, seen from the head, is displaced (:func:`~viewgauge.simulation.full_camera.draw_pose_errors`); what is
     common to looks is drawn once for all of them where the error states it.
     """
     assert error.T_camera_head is not None  # set by PoseError

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Camera, Window
+from ..sensors import Camera, Window
+from .image_sensor import ImageSensor
 from .renderer import Renderer
-from .sensor import Sensor
 
 __all__ = ["partial_image"]
 
 
 def partial_image(
     renderer: Renderer,
-    sensor: Sensor,
+    sensor: ImageSensor,
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     windows: Sequence[Window],

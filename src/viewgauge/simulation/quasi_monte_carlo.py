@@ -22,9 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri, stdtrit
 
 from ..exceptions import InputError
-from ..geometry import Camera, PoseError
+from ..geometry import PoseError
+from ..sensors import Camera
 from .camera_draws import CameraDraws, end_deviation_px
-from .exact_camera import (
+from .full_camera import (
     Estimate,
     camera_length_errors,
     displacements,

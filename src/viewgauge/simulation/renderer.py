@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import InputError
-from ..geometry import Camera, Window
+from ..sensors import Camera, Window
 
 __all__ = ["FIBONACCI", "Renderer"]
 

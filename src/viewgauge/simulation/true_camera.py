@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import Camera, Lens
+from ..geometry import Lens
+from ..sensors import Camera
 from .camera_draws import covariance_factor
 
 __all__ = ["true_camera"]

@@ -8,9 +8,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import VIEWS, Camera
+from ..geometry import VIEWS
 from ..geometry.lens import distorted
-from ..part.gauge_table import GaugeTable
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 from .limits import ObservationLimits
 
 __all__ = ["OCCLUDED", "REASONS", "VISIBLE", "Culling"]

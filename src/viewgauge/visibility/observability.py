@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import VIEWS, Camera, view_block
-from ..part.gauge_table import GaugeTable
+from ..geometry import VIEWS, view_block
+from ..part.measurand_table import GaugeTable
+from ..sensors import Camera
 from .culling import OCCLUDED, VISIBLE, Culling
 from .limits import ObservationLimits
 from .occlusion import Occluder, SightLines

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..geometry import VIEWS
 from ..part import Mesh
-from ..part.gauge_table import GaugeTable
+from ..part.measurand_table import GaugeTable
 
 __all__ = ["Occluder", "SightLines"]
 

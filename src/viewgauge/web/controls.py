@@ -9,7 +9,8 @@ from typing import Any
 
 import viser
 
-from ..workflow import Inspection, KnobValues
+from ..planning.improve.knob_values import KnobValues
+from ..planning.inspection import Inspection
 from .uploads import INSPECTION_SUFFIXES, OTHER_SUFFIXES
 
 __all__ = ["LOOK_AT", "Controls"]

@@ -6,23 +6,12 @@ from typing import Any
 
 import viser
 
-from ..workflow import (
-    DARK,
-    LIGHT,
-    Answers,
-    WhatIf,
-    accuracy_chart,
-    answer_table,
-    bench_style,
-    budget_chart,
-    dimension_facts,
-    directions_chart,
-    laws_chart,
-    message,
-    refused_table,
-    unseen_table,
-    view_picture,
-)
+from ..jobs.workbench.what_if import WhatIf
+from ..planning.improve.answers import Answers
+from ..report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart
+from ..report.palette import DARK, LIGHT
+from ..report.pictures.view_picture import unseen_table, view_picture
+from ..report.workbench import answer_table, bench_style, dimension_facts, message, refused_table
 
 __all__ = ["Findings", "choose"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..workflow import Answers
+from ..planning.improve.answers import Answers
 
 __all__ = ["APEX_TO_BASE", "picked"]
 

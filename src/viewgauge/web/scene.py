@@ -8,18 +8,13 @@ from typing import Any
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from ..workflow import (
-    UNMET_COLOUR,
-    UNSEEN_COLOUR,
-    Answers,
-    DirectionMap,
-    Inspection,
-    colours_of,
-    picture_mesh,
-    probability_colour,
-    quaternion_from_pose,
-)
+from ..planning.candidates.direction_map import DirectionMap
+from ..planning.improve.answers import Answers
+from ..planning.inspection import Inspection
+from ..report.palette import UNMET_COLOUR, UNSEEN_COLOUR, colours_of, probability_colour
+from ..report.pictures.simplify import picture_mesh
 from .picking import APEX_TO_BASE, picked
 from .tone import before_tone_curve
 
@@ -170,7 +165,7 @@ class Scene:
                     )
                     self._put(f"/settings/{name}/name", self._scene.add_label(f"/settings/{name}/name", name))
                 handle = self._shown[f"/settings/{name}"]
-                handle.wxyz, handle.position = quaternion_from_pose(T), T[:3, 3]
+                handle.wxyz, handle.position = _quaternions(T), T[:3, 3]
 
     def show_candidates(self, poses: NDArray[np.float64] | None, share: NDArray[np.float64]) -> None:
         """Candidate settings as small pyramids, the bluer the more they measure; None for none."""
@@ -186,7 +181,7 @@ class Scene:
                 "/candidates",
                 (0.05 * self._size_mm * vertices).astype(np.float32),
                 faces,
-                np.array([quaternion_from_pose(T) for T in poses]),
+                _quaternions(poses),
                 poses[:, :3, 3],
                 batched_colors=before_tone_curve(colours, of_vertices=True),
                 flat_shading=True,
@@ -227,7 +222,7 @@ class Scene:
         handle = self._scene.add_transform_controls(
             "/drag",
             scale=0.22 * self._size_mm,
-            wxyz=quaternion_from_pose(T_part_camera),
+            wxyz=_quaternions(T_part_camera),
             position=T_part_camera[:3, 3],
             translation_limits=((-1e6, 1e6),) * 3,
             depth_test=False,
@@ -293,3 +288,8 @@ class Scene:
             self._shown.pop(child)  # viser takes it away with its parent
         if handle is not None:
             handle.remove()
+
+
+def _quaternions(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit quaternions ``(..., 4)``, scalar first, of poses ``(..., 4, 4)``: how viser takes rotations."""
+    return np.asarray(Rotation.from_matrix(T_a_b[..., :3, :3]).as_quat(canonical=True, scalar_first=True))

@@ -15,29 +15,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
 from viser._messages import RunJavascriptMessage
 
 from ..exceptions import InputError, JobCancelledError, ViewgaugeError
-from ..workflow import (
-    DARK,
-    LIGHT,
-    Answers,
-    Inspection,
-    Job,
-    Stage,
-    WhatIf,
-    bench_style,
-    legend,
-    load_uploaded,
-    message,
-    plan_again,
-    plan_archive,
-    plan_report,
-    pose_from_quaternion,
-    settings_text,
-    turned_inspection_text,
-    verdict_markup,
-)
+from ..execution.child_process import Job, Stage
+from ..jobs.workbench.child_jobs import load_uploaded, plan_again
+from ..jobs.workbench.downloads import plan_archive, settings_text
+from ..jobs.workbench.saved_inspection import turned_inspection_text
+from ..jobs.workbench.what_if import WhatIf
+from ..jobs.write_report import plan_report
+from ..planning.improve.answers import Answers
+from ..planning.inspection import Inspection
+from ..report.palette import DARK, LIGHT
+from ..report.workbench import bench_style, legend, message, verdict_markup
 from .controls import LOOK_AT, Controls
 from .findings import Findings, choose
 from .refresher import Refresher
@@ -45,8 +36,8 @@ from .scene import Scene
 from .uploads import INSPECTION_SUFFIXES, OTHER_SUFFIXES, limit_uploads, stored
 
 if TYPE_CHECKING:
-    from ..workflow import Plan
-    from .workbench import Workbench
+    from ..planning import Plan
+    from .project import Project
 
 __all__ = ["Visitor"]
 
@@ -67,12 +58,12 @@ class Visitor:
     ----------
     client
         The visitor's browser.
-    bench
+    project
         What all visitors begin with.
     """
 
-    def __init__(self, client: viser.ClientHandle, bench: Workbench) -> None:
-        self._client, self._bench = client, bench
+    def __init__(self, client: viser.ClientHandle, project: Project) -> None:
+        self._client, self._project = client, project
         self._lock = threading.RLock()
         self._folder = Path(tempfile.mkdtemp(prefix="viewgauge-visitor-"))
         self._job: Job[Any] | None = None
@@ -100,12 +91,13 @@ class Visitor:
         )
         self._theme()
         self._listen()
-        self._take(bench.inspection, bench.text, bench.plan, bench.inspection)
-        bench.tell_plan(self._first_plan)
+        self._take(project.inspection, project.text, project.plan, project.inspection)
+        project.follow_plan(self._first_plan)
 
     def close(self) -> None:
         """The visitor has gone."""
         self._closed = True
+        self._project.leave_plan(self._first_plan)
         self._refresher.close()
         self._cancel()
         shutil.rmtree(self._folder, ignore_errors=True)
@@ -166,7 +158,7 @@ class Visitor:
 
     def _first_plan(self, outcome: Plan | Stage | ViewgaugeError) -> None:
         """Of the plan that all visitors begin with: how far it is, or what became of it."""
-        if self._closed or self._plan_made is not None or self._inspection is not self._bench.inspection:
+        if self._closed or self._plan_made is not None or self._inspection is not self._project.inspection:
             return
         if isinstance(outcome, Stage):
             self._show_stage(outcome)
@@ -175,7 +167,7 @@ class Visitor:
             if isinstance(outcome, ViewgaugeError):
                 self._controls.verdict.content = message(str(outcome), bad=True)
             else:
-                self._planned(outcome, self._bench.inspection)
+                self._planned(outcome, self._project.inspection)
 
     # what is shown
 
@@ -305,7 +297,8 @@ class Visitor:
         with self._lock:
             if name is None or name != self._held:
                 return
-            pose = pose_from_quaternion(handle.position, handle.wxyz)
+            rotation = Rotation.from_quat(handle.wxyz, scalar_first=True)
+            pose = np.asarray(RigidTransform.from_components(handle.position, rotation).as_matrix())
             self._dragged[name] = self._what_if.placed(self._knobs(), name, pose)
         self._refresher.ask("answers", "setting", "dimension")
 
@@ -330,7 +323,7 @@ class Visitor:
             self._ended.clear()
         try:
             self._show_stage(Stage("Waiting for the work of others"))
-            with self._bench.turn(self._ended):
+            with self._project.turn(self._ended):
                 self._job = Job(work, *arguments, watcher=self._show_stage, **limits)
                 if self._ended.is_set():  # meanwhile
                     self._job.cancel()
@@ -391,7 +384,7 @@ class Visitor:
         if self._working:
             self._controls.file_message.content = message("Wait until it is planned, or cancel that first.", bad=True)
             return
-        self._bench.lend_files(self._folder)
+        self._project.lend_files(self._folder)
         inspection = self._result(load_uploaded, path, timeout_s=_LOAD_S, memory_bytes=_LOAD_BYTES)
         if inspection is not None:
             self._controls.file_message.content = message(f"{path.name} is loaded; plan it with “Plan again”.")

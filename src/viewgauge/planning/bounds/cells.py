@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...evaluation import Requirement
-from ...geometry import Camera, PoseError
+from ...geometry import PoseError
 from ...part import Dimension
-from ...part.gauge_table import GaugeTable
+from ...part.measurand_table import GaugeTable
+from ...sensors import Camera
 from ...visibility import ObservationLimits
-from ..candidates import spread_directions
-from .branch import Budget, acceptable_distances, widest_tangent
-from .distances import DistanceGrid
-from .eyes import EyeRegion, Faces, distance_range, first_cell
-from .lengths import gauge_groups
+from ..candidates.candidate_grid import spread_directions
+from .branch_and_bound import Budget, acceptable_distances, widest_tangent
+from .distance_grid import DistanceGrid
+from .eye_region import EyeRegion, Faces, distance_range, first_cell
+from .measurand_groups import gauge_groups
 
 __all__ = ["AXES", "AXES_APART_RAD", "CellSets"]
 

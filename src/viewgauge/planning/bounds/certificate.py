@@ -9,14 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...evaluation import Requirement
-from ...geometry import Camera, PoseError
+from ...geometry import PoseError
 from ...part import Dimension
-from ...part.gauge_table import GaugeTable
+from ...part.measurand_table import GaugeTable
+from ...sensors import Camera
 from ...visibility import ObservationLimits
-from .branch import DEFAULT_BUDGET, Bound, Budget, probability_bound
-from .distances import DistanceGrid
-from .eyes import EyeRegion, reachable_distances
-from .lengths import GaugeGroup, gauge_groups
+from .branch_and_bound import DEFAULT_BUDGET, Bound, Budget, probability_bound
+from .distance_grid import DistanceGrid
+from .eye_region import EyeRegion, reachable_distances
+from .measurand_groups import GaugeGroup, gauge_groups
 
 __all__ = ["Certificate", "certify"]
 

@@ -1,0 +1,1 @@
+"""How accurately, and with what probability, a characteristic must be measured: one file a kind."""

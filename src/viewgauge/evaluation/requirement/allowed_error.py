@@ -1,0 +1,62 @@
+"""How accurately, and how surely, a dimension has to be measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...exceptions import InputError
+
+__all__ = ["Requirement"]
+
+_KINDS = ("accuracy", "error", "fraction_of_tolerance")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """Pr{|measured - nominal| <= allowed error} >= probability.
+
+    Whatever is required is put in this form, for each dimension. Requirements on the capability of the gauge and on
+    wrong decisions are :class:`CapabilityRequirement` and :class:`ConformanceRequirement`.
+
+    Parameters
+    ----------
+    kind, value
+        How the allowed error is stated: "accuracy" (relative; T = 1 - value), "error" (mm), or
+        "fraction_of_tolerance" (of half the width of the tolerance zone: of T for +/-T).
+    probability
+        Required probability (the paper's Th).
+    """
+
+    kind: str
+    value: float
+    probability: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in _KINDS:
+            raise InputError("unknown kind of requirement", key="kind", got=self.kind, expected=", ".join(_KINDS))
+        if not (np.isfinite(self.value) and self.value > 0):
+            raise InputError(f"the required {self.kind} must be finite and positive", got=self.value)
+        if self.kind == "accuracy" and self.value >= 1:
+            raise InputError("the required accuracy must lie between 0 and 1", key="accuracy", got=self.value)
+        if not 0 < self.probability < 1:
+            raise InputError(
+                "the required probability must lie between 0 and 1", key="probability", got=self.probability
+            )
+
+    def allowed_error_mm(self, nominal_mm: float, tolerance_mm: tuple[float, float] | None) -> float | None:
+        """Largest allowed error of a dimension, mm; None where :meth:`cannot_judge` says why there is none."""
+        if self.kind == "accuracy":
+            return (1 - self.value) * nominal_mm
+        if self.kind == "error":
+            return self.value
+        if tolerance_mm is None:
+            return None
+        return self.value * (tolerance_mm[1] - tolerance_mm[0]) / 2
+
+    def cannot_judge(self, tolerance_mm: tuple[float, float] | None) -> str | None:
+        """Why the requirement says nothing about a dimension; None where it does."""
+        if self.kind == "fraction_of_tolerance" and tolerance_mm is None:
+            return "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
+        return None

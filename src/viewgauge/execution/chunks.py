@@ -1,0 +1,296 @@
+"""A long job in chunks of settings: what a chunk needs, and what it gives. Each runs in this or in another process."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..evaluation import BestRows, Evaluator, Requirement, TableBlock
+from ..evaluation.segment import FirstOrderMethod
+from ..exceptions import InputError, NoCandidateError
+from ..geometry import PoseError, invert, transform
+from ..part import Dimension, Mesh
+from ..part.characteristic import rim_axes
+from ..part.measurand_table import GaugeTable
+from ..planning import CandidateGrid, Undominated, probability_levels
+from ..planning.inspection import ExplicitSettings, Inspection
+from ..sensors import Camera
+from ..visibility import ObservationLimits
+
+if TYPE_CHECKING:
+    from ..simulation import ExactEstimates
+
+__all__ = [
+    "CONFIDENCE",
+    "DEFAULT_PRECISION",
+    "SETTINGS_PER_CHUNK",
+    "Chunk",
+    "ChunkWriter",
+    "Corrections",
+    "EvaluationJob",
+    "SettingSource",
+    "TableJob",
+    "accepted_chunk",
+    "best_chunk",
+    "candidate_grid",
+    "chunks_of",
+    "evaluator_of",
+    "reachable",
+    "require_chunk_size",
+    "simulate_pairs",
+    "simulated",
+    "table_chunk",
+]
+
+_log = logging.getLogger(__name__)
+
+SETTINGS_PER_CHUNK = 16_384
+"""By default: some MB for each dimension, and for the usual part a few tenths of a second."""
+
+DEFAULT_PRECISION = 1e-3
+CONFIDENCE = 0.99  # of the intervals of the exact camera
+_PAIRS_SIMULATED = 500  # at once
+
+Chunk = tuple[int, int]
+"""First setting, and the one after the last."""
+
+
+class ChunkWriter(Protocol):
+    """What writes a chunk of a table from any process."""
+
+    def write(
+        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+    ) -> None:
+        """Write the chunk of settings that begins with ``first_setting``: a column ``(m, d)`` a name, and a summary."""
+        ...
+
+
+class SettingSource(Protocol):
+    """Settings by their index, made or kept."""
+
+    def __len__(self) -> int: ...
+
+    def poses(self, first: int, stop: int) -> NDArray[np.float64]:
+        """``T_part_camera`` ``(m, 4, 4)`` mm of settings ``first`` to ``stop - 1``, as far as there are."""
+        ...
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Probabilities of some pairs of setting and dimension, found otherwise, which take the first-order ones' place."""
+
+    setting: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    dimension: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    expected_accuracy: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+    def applied(self, table: TableBlock, index: NDArray[np.int64]) -> TableBlock:
+        """To the table of settings with these ascending indices, in place."""
+        row = np.searchsorted(index, self.setting)
+        here = np.flatnonzero(np.isin(self.setting, index))
+        table.probability[row[here], self.dimension[here]] = self.probability[here]
+        table.expected_accuracy[row[here], self.dimension[here]] = self.expected_accuracy[here]
+        return table
+
+
+@dataclass(frozen=True, eq=False)  # by identity: what is made ready for it is kept for it
+class EvaluationJob:
+    """What all chunks of a job share.
+
+    Parameters
+    ----------
+    threads
+        Of a chunk; None for as many as there are processors.
+    """
+
+    dimensions: tuple[Dimension, ...]
+    mesh: Mesh
+    camera: Camera
+    head: PoseError
+    requirement: Requirement
+    limits: ObservationLimits
+    source: SettingSource
+    method: FirstOrderMethod = "joint"
+    threads: int | None = None
+    corrections: Corrections = field(default_factory=Corrections)
+
+    @classmethod
+    def of(
+        cls,
+        inspection: Inspection,
+        dimensions: Sequence[Dimension],
+        source: SettingSource,
+        method: FirstOrderMethod = "joint",
+        threads: int | None = None,
+    ) -> EvaluationJob:
+        """A job with some dimensions of an inspection."""
+        return cls(
+            tuple(dimensions),
+            inspection.part.mesh,
+            inspection.camera,
+            inspection.head,
+            inspection.requirement,
+            inspection.limits,
+            source,
+            method,
+            threads,
+        )
+
+
+@lru_cache(maxsize=2)
+def evaluator_of(job: EvaluationJob) -> Evaluator:
+    """The job's evaluator, made once in each process."""
+    return Evaluator(
+        job.dimensions, job.mesh, job.camera, job.head, job.requirement, job.limits, job.method, job.threads
+    )
+
+
+def candidate_grid(inspection: Inspection, dimensions: Sequence[Dimension]) -> CandidateGrid:
+    """The candidates that an inspection samples to measure some dimensions."""
+    points = GaugeTable.of(dimensions).points
+    return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
+
+
+def reachable(inspection: Inspection, dimensions: Sequence[Dimension]) -> ExplicitSettings:
+    """The explicit settings that stand where box, hemisphere, forbidden boxes and standoff allow it.
+
+    Distance and cone say how settings are sampled; given ones are not asked for them.
+    """
+    settings, options = inspection.settings, inspection.candidates
+    assert settings is not None  # the caller's condition
+    if not options.bounded:
+        return settings
+    ends = GaugeTable.of(dimensions).points.reshape(-1, 3)
+    region = options.region((ends.min(axis=0) + ends.max(axis=0))[None] / 2, (0.0, np.inf), inspection.part.mesh)
+    eyes = settings.T_part_camera[:, :3, 3]
+    stays = region.in_reach(eyes)
+    if options.standoff_mm is not None:
+        stays &= ~region.too_near(eyes)
+    if not stays.any():
+        raise NoCandidateError(
+            f"no candidate setting is left: all {len(settings)} of the settings file stand where the box, the "
+            "hemisphere, a forbidden box or the standoff of candidates does not allow it"
+        )
+    if not stays.all():
+        _log.info("%d of %d explicit settings stand where candidates does not allow it", (~stays).sum(), len(stays))
+    rows = np.flatnonzero(stays)
+    return ExplicitSettings(tuple(settings.ids[k] for k in rows), settings.T_part_camera[rows])
+
+
+def chunks_of(source: SettingSource, size: int) -> list[Chunk]:
+    """The source in chunks of ``size`` settings."""
+    return [(first, min(first + size, len(source))) for first in range(0, len(source), size)]
+
+
+def require_chunk_size(settings: int) -> None:
+    """Raise InputError unless a chunk can have this many settings."""
+    if isinstance(settings, bool) or not isinstance(settings, int | np.integer) or settings < 1:
+        raise InputError(
+            "not a number of settings", key="chunk", got=repr(settings), expected="a whole number from 1 on"
+        )
+
+
+def accepted_chunk(job: EvaluationJob, chunk: Chunk) -> Undominated:
+    """Of a chunk's settings those that a cover may need."""
+    accepted = evaluator_of(job).accepted(job.source.poses(*chunk))
+    level = probability_levels(accepted.probability, job.requirement.probability, len(job.source))
+    some = np.flatnonzero(level.any(axis=1))
+    kept = Undominated(len(job.dimensions))
+    kept.add(chunk[0] + some, level[some], accepted.certain[some])
+    return kept
+
+
+def best_chunk(job: EvaluationJob, chunk: Chunk) -> BestRows:
+    """The best of a chunk's settings for each dimension."""
+    table, index = evaluator_of(job).table(job.source.poses(*chunk)), np.arange(*chunk)
+    return BestRows.of(job.corrections.applied(table, index), index)
+
+
+@dataclass(frozen=True, eq=False)
+class TableJob:
+    """What all chunks of a table share.
+
+    Parameters
+    ----------
+    precision, seed
+        With ``precision`` the exact camera judges each visible pair.
+    columns
+        Names of the columns wanted; none to keep only the best of each dimension.
+    writer
+        What writes a chunk from any process; None to give it back.
+    """
+
+    evaluation: EvaluationJob
+    columns: tuple[str, ...]
+    precision: float | None = None
+    seed: int = 0
+    writer: ChunkWriter | None = None
+
+
+def table_chunk(job: TableJob, chunk: Chunk) -> tuple[BestRows, dict[str, NDArray[np.generic]]]:
+    """The best of a chunk's settings for each dimension, and the columns of its table if nobody else writes them."""
+    evaluation = job.evaluation
+    poses = evaluation.source.poses(*chunk)
+    table = evaluator_of(evaluation).table(poses)
+    extra: dict[str, NDArray[np.generic]] = {}
+    if job.precision is not None:
+        table, low, high = simulated(table, poses, evaluation, job.precision, job.seed)
+        extra = {"probability_low": low, "probability_high": high}
+    best = BestRows.of(table, np.arange(*chunk))
+    accepted = table.visible & (table.probability >= evaluation.requirement.probability)
+    own = {"visible": table.visible, "accepted": accepted, **extra}
+    values = {name: own[name] if name in own else getattr(table, name) for name in job.columns}
+    if job.writer is None:
+        return best, values
+    job.writer.write(chunk[0], values, {"best": {name: array.tolist() for name, array in best.arrays().items()}})
+    return best, {}
+
+
+def simulated(
+    table: TableBlock, poses: NDArray[np.float64], job: EvaluationJob, precision: float, seed: int
+) -> tuple[TableBlock, NDArray[np.float64], NDArray[np.float64]]:
+    """The table with the exact camera's probability and expected accuracy of visible pairs, and the intervals' ends."""
+    probability, accuracy = table.probability.copy(), table.expected_accuracy.copy()
+    low, high = np.zeros(probability.shape), np.zeros(probability.shape)
+    pairs = np.argwhere(table.visible)
+    for first in range(0, len(pairs), _PAIRS_SIMULATED):
+        some = pairs[first : first + _PAIRS_SIMULATED]
+        estimates = simulate_pairs(table, some, poses, job, precision, seed)
+        at = tuple(some.T)
+        probability[at], accuracy[at] = estimates.probability, estimates.expected_accuracy
+        low[at], high[at] = estimates.low, estimates.high
+    return replace(table, probability=probability, expected_accuracy=accuracy), low, high
+
+
+def simulate_pairs(
+    table: TableBlock,
+    pairs: NDArray[np.int64],
+    poses: NDArray[np.float64],
+    job: EvaluationJob,
+    precision: float,
+    seed: int,
+) -> ExactEstimates:
+    """The exact camera's word on visible pairs ``(n, 2)`` of a table: indices of setting and dimension."""
+    from ..simulation import estimate_success_probabilities
+
+    setting, dimension = pairs.T
+    gauges = [job.dimensions[j].gauges[table.gauge[k, j]] for k, j in pairs]
+    ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
+    points = transform(invert(poses[setting])[:, None], ends)
+    return estimate_success_probabilities(
+        points[:, 0],
+        points[:, 1],
+        job.camera,
+        job.head,
+        table.relative_tolerance[setting, dimension],
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=seed,
+        rim_axis=rim_axes(gauges, poses[setting]),
+    )

@@ -1,0 +1,48 @@
+"""By what a job that is started again is known."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..part.measurand_table import GaugeTable
+from ..planning.inspection import ExplicitSettings, Inspection
+from .chunks import EvaluationJob
+
+__all__ = ["job_fingerprint"]
+
+
+def job_fingerprint(inspection: Inspection, job: EvaluationJob, *more: object) -> str:
+    """A hash of all that the results of a job's chunks depend on: contents, not only the files they came from.
+
+    Parameters
+    ----------
+    more
+        What else they depend on; told apart by ``repr``.
+    """
+    said = [version("viewgauge"), job.method, inspection.seed, sorted(inspection.inputs.items()), job.camera]
+    said += [job.requirement, job.limits, inspection.candidates, len(job.source), job.mesh.chord_error_mm, more]
+    said += [inspection.looks, job.head.common_covariance is not None]
+    said += [(d.id, d.nominal_mm, d.tolerance_mm, len(d.gauges)) for d in job.dimensions]
+    digest = hashlib.sha256(repr(said).encode())
+    for array in _arrays(job):
+        digest.update(repr(array.shape).encode())
+        digest.update(array.tobytes())
+    if isinstance(job.source, ExplicitSettings):
+        digest.update("\n".join(job.source.ids).encode())
+    return digest.hexdigest()
+
+
+def _arrays(job: EvaluationJob) -> Iterator[NDArray[np.generic]]:
+    gauges = GaugeTable.of(job.dimensions)
+    yield from (gauges.points, gauges.normals, gauges.whole)
+    yield from (job.mesh.vertices, job.mesh.triangles)
+    yield from (job.head.covariance, np.asarray(job.head.T_camera_head, dtype=float))
+    if job.head.common_covariance is not None:
+        yield job.head.common_covariance
+    if isinstance(job.source, ExplicitSettings):
+        yield job.source.T_part_camera

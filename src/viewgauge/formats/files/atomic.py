@@ -1,0 +1,112 @@
+"""Outputs that are complete or absent: written beside their place, then renamed into it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ...exceptions import InputError
+
+__all__ = ["atomic_path", "move_into_place", "write_text_atomically", "writing_in"]
+
+_STORAGE_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path of the same name and volume, renamed to ``path`` when the block ends well.
+
+    The block may make a file or a folder there. If it raises, what stood at ``path`` before is left as it was.
+    A device or pipe (``/dev/stdout``) is given as it is.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    given = Path(path)
+    if given.exists() and not given.is_file() and not given.is_dir():
+        yield given  # not where its links lead: that of a pipe is no path
+        return
+    target = Path(os.path.realpath(path))
+    try:
+        workplace = Path(tempfile.mkdtemp(prefix=".viewgauge-", dir=target.parent))
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    try:
+        yield workplace / target.name
+        move_into_place(workplace / target.name, target)
+    except OSError as error:
+        if error.errno in _STORAGE_ERRORS:
+            raise _cannot_write(path, error) from error
+        raise
+    finally:
+        shutil.rmtree(workplace, ignore_errors=True)
+
+
+def write_text_atomically(path: str | os.PathLike[str], text: str) -> None:
+    """Write a UTF-8 text file whole or not at all; line ends are written as they stand in ``text``.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    if Path(path).is_dir():
+        raise InputError("a file cannot be written where a folder is", file=path, hint="give the path of a file")
+    with atomic_path(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="")
+
+
+@contextmanager
+def writing_in(path: str | os.PathLike[str]) -> Iterator[None]:
+    """The system's errors of a block that writes ``path`` or beside it, as InputError."""
+    try:
+        yield
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def move_into_place(made: Path, target: Path) -> None:
+    """Rename what was made in a folder of its own to ``target`` on the same volume, in place of what is there.
+
+    A folder that is replaced is moved beside ``made``, whose folder is to be taken away afterwards.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to, or a file would replace a folder.
+    """
+    try:
+        if not target.is_dir():
+            os.replace(made, target)
+            return
+        if not made.is_dir():
+            raise InputError("a file cannot be written where a folder is", file=target, hint="give another path")
+        old = made.with_name(f"{target.name}.old")  # a folder with content cannot be replaced in one step
+        os.replace(target, old)
+        try:
+            os.replace(made, target)
+        except OSError:
+            os.replace(old, target)
+            raise
+    except OSError as error:
+        raise _cannot_write(target, error) from error
+
+
+def _cannot_write(path: str | os.PathLike[str], error: OSError) -> InputError:
+    folder = Path(path).absolute().parent
+    if not folder.exists():
+        hint = f"create the folder {folder} first"
+    elif not folder.is_dir():
+        hint = f"{folder} is a file, not a folder"
+    elif error.errno in _STORAGE_ERRORS:
+        hint = "free some space on the volume or choose another place"
+    else:
+        hint = "choose a place where you may write"
+    return InputError(f"cannot be written: {error.strerror or error}", file=path, hint=hint)

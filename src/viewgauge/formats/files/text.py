@@ -1,0 +1,45 @@
+"""Reading a small text file whole, with an error message for everything that can be wrong with it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ...exceptions import InputError
+
+__all__ = ["read_text"]
+
+
+def read_text(path: str | os.PathLike[str], error_type: type[InputError]) -> str:
+    """Text of a UTF-8 file (a byte order mark is dropped).
+
+    Raises
+    ------
+    InputError
+        Of ``error_type``: the file is missing, a folder, not readable, or not UTF-8 text.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except FileNotFoundError as error:
+        raise error_type("the file does not exist", file=path, hint="check the path") from error
+    except IsADirectoryError as error:
+        raise error_type("this is a folder, not a file", file=path, hint="give the path of the file") from error
+    except OSError as error:
+        raise error_type(f"the file cannot be read: {error.strerror or error}", file=path) from error
+    except ValueError as error:  # a NUL character in the path
+        raise error_type(f"not a path: {error}", file=path) from error
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise error_type(
+            "the file is not UTF-8 text",
+            file=path,
+            line=line,
+            got=f"byte 0x{content[error.start]:02x}",
+            hint="save it as UTF-8; binary files cannot be read here",
+        ) from error
+    if "\0" in text:
+        line = text[: text.index("\0")].count("\n") + 1
+        raise error_type("the file is binary, not text", file=path, line=line, expected="UTF-8 text")
+    return text

@@ -1,0 +1,93 @@
+"""The text of the inspection file, before its sections are checked: soon enough to begin with the part it names."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from ...exceptions import InspectionFileError
+from ..files.problems import Problems
+from ..files.text import read_text
+from ..files.yaml_tree import parse_yaml
+
+__all__ = ["InspectionText", "read_inspection_text"]
+
+
+@dataclass(frozen=True)
+class InspectionText:
+    """The sections of an inspection file as plain YAML values, and the problems that were found with the YAML.
+
+    Parameters
+    ----------
+    within
+        The only folder from which other files may be read; None for any.
+    """
+
+    path: Path
+    sections: dict[str, object]
+    problems: Problems
+    within: Path | None = None
+
+    @property
+    def part_file(self) -> Path | None:
+        """The file that ``part.file`` seems to name; None where that is nothing that could be one."""
+        part = self.sections.get("part")
+        name = part.get("file") if isinstance(part, dict) else None
+        return self.beside(name, "part.file") if isinstance(name, str) and name.strip() else None
+
+    def beside(self, name: str, key: str) -> Path:
+        """Where a file lies that this one names: as written where absolute, else from this one's folder.
+
+        Raises
+        ------
+        InspectionFileError
+            If that is outside the folder from which files may be read, symbolic links followed.
+        """
+        path = self.path.parent / name
+        if self.within is not None and not path.resolve().is_relative_to(self.within.resolve()):
+            raise InspectionFileError(
+                "a file outside the project's folder is named",
+                file=self.path.name,
+                key=key,
+                got=name,
+                hint="give it along with the inspection file, and name it without a folder",
+            )
+        return path
+
+
+def read_inspection_text(path: str | os.PathLike[str], within: Path | None = None) -> InspectionText:
+    """Read an inspection file as far as its sections.
+
+    Parameters
+    ----------
+    within
+        The only folder from which the files that it names may be read; None for any.
+
+    Raises
+    ------
+    InspectionFileError
+        If it cannot be read or has none.
+    """
+    text = read_text(path, InspectionFileError)
+    if text.startswith("ISO-10303-21"):
+        raise InspectionFileError(
+            "this is a STEP file, not an inspection file",
+            file=path,
+            hint="give an inspection file (YAML), whose part.file names the STEP file",
+        )
+    problems = Problems(path)
+    value = parse_yaml(text, problems).value
+    if value is None and not problems.found:
+        problems.add((), "the file is empty", line=1, expected="the sections camera, head and requirement")
+    elif value is not None and not isinstance(value, dict):
+        problems.add((), "not an inspection file", got=_start(value), expected="sections such as 'camera:'")
+    if not isinstance(value, dict):
+        problems.raise_if_any()
+    return InspectionText(Path(path), cast(dict[str, object], value), problems, within)
+
+
+def _start(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 60 else text[:60] + " …"

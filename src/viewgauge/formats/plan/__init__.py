@@ -1,0 +1,1 @@
+"""The files of a plan, written and read back, and the answers of improve and specify."""

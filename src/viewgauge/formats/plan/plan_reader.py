@@ -1,0 +1,163 @@
+"""A plan's file read back: the whole plan, or which dimensions are measured from which settings, by which points."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exceptions import InputError
+from ...planning import Look, Plan, PlannedDimension, PlannedSetting, Refinement, RefinementStep
+from ...planning.bounds import Certificate, SettingsBound
+from ..files.text import read_text
+
+__all__ = ["PlannedMeasurement", "read_plan", "read_whole_plan"]
+
+_Read = TypeVar("_Read")
+
+
+@dataclass(frozen=True)
+class PlannedMeasurement:
+    """One dimension from one setting.
+
+    Parameters
+    ----------
+    T_part_camera
+        ``(4, 4)`` mm: of the setting.
+    gauge
+        ``(2, 3)`` mm, part frame.
+    uncertainty_mm
+        Standard uncertainty that the plan predicts of one measurement; None where it states none.
+    looks
+        From how many settings the dimension is measured and averaged.
+    """
+
+    dimension: str
+    setting: str
+    T_part_camera: NDArray[np.float64]
+    gauge: NDArray[np.float64]
+    nominal_mm: float
+    tolerance_mm: tuple[float, float] | None
+    uncertainty_mm: float | None
+    looks: int
+
+
+def read_plan(folder: Path) -> tuple[PlannedMeasurement, ...]:
+    """What ``plan.json`` in a folder, or a file of that content, plans to measure.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, or not a plan.
+    """
+    return _read(folder, _measurements)
+
+
+def _read(folder: Path, take: Callable[[dict[str, Any]], _Read]) -> _Read:
+    path = folder / "plan.json" if folder.is_dir() else folder
+    try:
+        return take(json.loads(read_text(path, InputError)))
+    except json.JSONDecodeError as error:
+        raise InputError(f"not JSON: {error.msg}", file=path, line=error.lineno) from error
+    except (KeyError, TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("not a plan", file=path, got=repr(error), expected="plan.json of viewgauge plan") from error
+
+
+def _measurements(document: dict[str, Any]) -> tuple[PlannedMeasurement, ...]:
+    poses = {s["id"]: np.array(s["T_part_camera"], dtype=float).reshape(4, 4) for s in document["settings"]}
+    entries = [d for d in document["dimensions"] if d["status"] == "met"]
+    return tuple(found for entry in entries for found in _of(entry, poses))
+
+
+def _of(entry: dict[str, Any], poses: dict[str, NDArray[np.float64]]) -> list[PlannedMeasurement]:
+    looks = entry.get("looks") or [{"setting": entry["setting"], "gauge": entry["gauge"]}]
+    budget = entry.get("budget")
+    tolerance = entry["tolerance_mm"]
+    return [
+        PlannedMeasurement(
+            dimension=entry["id"],
+            setting=look["setting"],
+            T_part_camera=poses[look["setting"]],
+            gauge=np.array(look["gauge"], dtype=float).reshape(2, 3),
+            nominal_mm=float(entry["nominal_mm"]),
+            tolerance_mm=None if tolerance is None else (float(tolerance[0]), float(tolerance[1])),
+            uncertainty_mm=None if budget is None else float(budget["combined_uncertainty_mm"]),
+            looks=len(looks),
+        )
+        for look in looks
+    ]
+
+
+def read_whole_plan(folder: Path) -> Plan:
+    """The plan that ``plan.json`` in a folder, or a file of that content, holds.
+
+    What a dimension's angle was in rad is not in the file, and is not a number here.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, or not a plan.
+    """
+    return _read(folder, _plan)
+
+
+def _plan(document: dict[str, Any]) -> Plan:
+    names = [entry["id"] for entry in document["dimensions"]]
+    refinement = document["refinement"]
+    if refinement is not None:
+        steps = tuple(RefinementStep(**step) for step in refinement["steps"])
+        reached = tuple(names.index(name) for name in refinement["reached"])
+        refinement = Refinement(steps, reached, refinement["generated"], refinement["finished"])
+    anywhere = document["anywhere"]
+    return Plan(
+        seed=int(document["seed"]),
+        settings=tuple(
+            PlannedSetting(s["id"], np.array(s["T_part_camera"], dtype=float).reshape(4, 4), tuple(s["observes"]))
+            for s in document["settings"]
+        ),
+        dimensions=tuple(_dimension(entry) for entry in document["dimensions"]),
+        lower_bound=int(document["lower_bound"]),
+        candidate_count=int(document["candidates"]),
+        refinement=refinement,
+        # how many cells were looked into is not in the file
+        anywhere=None if anywhere is None else SettingsBound(anywhere["lower_bound"], tuple(anywhere["apart"]), 0),
+        interrupted=bool(document["interrupted"]),
+    )
+
+
+def _dimension(entry: dict[str, Any]) -> PlannedDimension:
+    def number(name: str) -> float:
+        return float("nan") if entry[name] is None else float(entry[name])
+
+    def array(name: str, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+        return None if entry[name] is None else np.array(entry[name], dtype=float).reshape(shape)
+
+    tolerance, certificate = entry["tolerance_mm"], entry["certificate"]
+    return PlannedDimension(
+        id=entry["id"],
+        kind=entry["kind"],
+        nominal_mm=number("nominal_mm"),
+        tolerance_mm=None if tolerance is None else (float(tolerance[0]), float(tolerance[1])),
+        allowed_error_mm=number("allowed_error_mm"),
+        status=entry["status"],
+        probability=float(entry["probability"]),
+        expected_accuracy=float(entry["expected_accuracy"]),
+        setting=entry["setting"],
+        gauge=array("gauge", (2, 3)),
+        limit=entry["limit"],
+        warning=entry["warning"],
+        T_part_camera=array("T_part_camera", (4, 4)),
+        looks=tuple(
+            Look(look["setting"], np.array(look["gauge"], dtype=float).reshape(2, 3)) for look in entry["looks"]
+        ),
+        single_probability=entry["single_probability"],
+        certificate=None if certificate is None else Certificate(entry["id"], **certificate),
+        proof=entry["proof"],
+    )

@@ -1,0 +1,1 @@
+"""Poses and what is known of their errors: viewpoints, pose samples, covariances, views of a board."""

@@ -1,0 +1,1 @@
+"""Tables viewpoint x characteristic: CSV, Parquet and Zarr."""

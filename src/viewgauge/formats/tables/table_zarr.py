@@ -1,0 +1,254 @@
+"""The table as a Zarr store that is built chunk by chunk, by several processes, and goes on where it was stopped.
+
+It is built in a journal's folder beside its place, ``.NAME.partial``, and moved there when it is complete. A chunk of
+settings is one file for each column; its entry in the journal is made when all are written. Chunks are compressed
+without regard to what else runs, so the bytes do not tell how they came about. The format is Zarr's 2 (format 3 has
+no settled way to store text) with the conventions of xarray.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exceptions import InputError
+from ..files.atomic import move_into_place, writing_in
+from ..files.journal import ChunkJournal, read_entry, record_entry
+from .table_layout import TableLayout
+
+__all__ = ["ZarrRegionWriter", "ZarrTable"]
+
+_OURS = re.compile(r"\.zarray|\.zattrs|\.zgroup|\d+(\.\d+)*")  # all other files are of writers that were killed
+_IDS_PER_CHUNK = 2**16
+
+
+@dataclass(frozen=True)
+class ZarrRegionWriter:
+    """Writes chunks of a table, in any process that sees its folder; several at once, each its own chunk."""
+
+    job: Path
+    layout: TableLayout
+    target: Path
+
+    def write(
+        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+    ) -> None:
+        """Write a chunk and record that it is done, with a summary of plain data; see :meth:`ZarrTable.write`.
+
+        Raises
+        ------
+        InputError
+            If the place cannot be written to, or is not there on this machine.
+        """
+        if not (self.job / "table").is_dir():
+            raise InputError(
+                f"the table's folder {self.job} is not there on {socket.gethostname()}, which is to write a part of it",
+                file=self.target,
+                hint="write it to a folder that all workers share by the same path, or write CSV or Parquet, which "
+                "workers do not write",
+            )
+        with writing_in(self.target):
+            self._write(first_setting, values, summary)
+
+    def _write(
+        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None
+    ) -> None:
+        import zarr
+
+        chunk = self.layout.chunk_of(first_setting)
+        checked = self.layout.checked(chunk, values)
+        group = zarr.open_group(self.job / "table", mode="r+", zarr_format=2)
+        with zarr.config.set({"array.write_empty_chunks": True}):  # the same files whatever the user's configuration
+            for column in self.layout.columns:
+                array = checked[column.name]
+                if column.kind == "name":
+                    array = np.array(column.names, dtype=column.dtype)[array.astype(np.int64)]
+                group[column.name][self.layout.settings(chunk)] = array
+        record_entry(self.job, chunk, summary=json.dumps(dict(summary or {})))
+
+
+class ZarrTable:
+    """A table under construction: complete at ``path`` when its block ends well, else kept to go on with.
+
+    Parameters
+    ----------
+    path
+        A folder, replaced if it is there.
+    layout
+        What the table consists of.
+    fingerprint
+        All that the content depends on. With the same, what an earlier process has done is :attr:`done`. None: nothing
+        is kept, neither from earlier nor for later.
+
+    Raises
+    ------
+    InputError
+        If Zarr is not installed, the place cannot be written to, or another process is writing the same table.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], layout: TableLayout, fingerprint: str | None = None) -> None:
+        try:
+            import zarr  # noqa: F401 - only to know whether it is there
+        except ImportError as error:
+            raise InputError(
+                "writing this kind of table needs zarr, which is not installed",
+                file=path,
+                hint='pip install "viewgauge[tables]", or write CSV',
+            ) from error
+        self._path, self._layout, self._keep = Path(os.path.realpath(path)), layout, fingerprint is not None
+        if self._path.exists() and not self._path.is_dir():
+            raise InputError("a folder cannot be written where a file is", file=path, hint="give another path")
+        self._journal = ChunkJournal(partial_path(path), fingerprint or "", target=path)
+        try:
+            with writing_in(path):
+                self._begin()
+        except BaseException:
+            self._journal.close()
+            raise
+
+    def _begin(self) -> None:
+        """Make the table without its chunks, unless it is there and is to be kept."""
+        table = self._journal.job / "table"
+        if not self._keep or not table.exists():
+            self._journal.restart()
+            made = table.with_name("begun")
+            _make(made, self._layout)
+            made.rename(table)
+        self.done: dict[int, dict[str, Any]] = {
+            chunk: json.loads(str(read_entry(entry)["summary"])) for chunk, entry in self._journal.done().items()
+        }
+        """Summaries of the chunks that are done, by chunk, as they were when the table was opened."""
+
+    def writer(self) -> ZarrRegionWriter:
+        """What other processes write chunks with; without the ids of the settings, so that it is small."""
+        unnamed = range(len(self._layout.setting_ids))
+        layout = replace(self._layout, setting_ids=unnamed)  # type: ignore[arg-type] # never read
+        return ZarrRegionWriter(self._journal.job, layout, self._path)
+
+    def write(
+        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+    ) -> None:
+        """Write the chunk of settings that begins with ``first_setting``.
+
+        Parameters
+        ----------
+        values
+            For each column its array ``(m, D)``.
+        summary
+            Plain data, given back in :attr:`done` when the table is opened again.
+        """
+        self.writer().write(first_setting, values, summary)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        finished = False
+        try:
+            if kind is None:
+                self._finish()
+                finished = True
+        finally:
+            if finished or not self._keep:
+                self._journal.discard()
+            else:
+                self._journal.close()
+
+    def _finish(self) -> None:
+        missing = set(range(self._layout.chunks)) - set(self._journal.done())
+        if missing:
+            raise ValueError(f"{len(missing)} chunks are missing, such as chunk {min(missing)}")
+        table = self._journal.job / "table"
+        for folder, _, names in os.walk(table):
+            for name in names:
+                if not _OURS.fullmatch(name):
+                    Path(folder, name).unlink()
+        move_into_place(table, self._path)
+
+
+def partial_path(path: str | os.PathLike[str]) -> Path:
+    """Where a table is built that is to be at ``path``."""
+    target = Path(os.path.realpath(path))
+    return target.with_name(f".{target.name}.partial")
+
+
+def _make(path: Path, layout: TableLayout) -> None:
+    import zarr
+
+    group = zarr.create_group(path, zarr_format=2, attributes=dict(layout.attrs))
+    settings, dimensions = layout.setting_ids, layout.dimension_ids
+    _fill(group, "setting", _Texts(settings), ["setting"])
+    _fill(group, "dimension", _Texts(dimensions), ["dimension"])
+    for name, values in layout.coordinates.items():
+        _fill(group, name, np.asarray(values, dtype=float), ["dimension"])
+    attributes = {"coordinates": " ".join(sorted(layout.coordinates))} if layout.coordinates else {}
+    for column in layout.columns:
+        _create(
+            group,
+            column.name,
+            (len(settings), len(dimensions)),
+            (layout.chunk_settings, max(len(dimensions), 1)),
+            column.dtype,
+            {**attributes, "_ARRAY_DIMENSIONS": ["setting", "dimension"]},
+        )
+
+
+class _Texts:
+    """Texts as an array of fixed width of which only slices are made: there may be more than memory holds."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        self._texts = texts
+        width = max((len(text) for k in range(0, len(texts), _IDS_PER_CHUNK) for text in self._some(k)), default=1)
+        self.dtype, self.shape = np.dtype(f"<U{max(width, 1)}"), (len(texts),)
+
+    def _some(self, first: int) -> Sequence[str]:
+        return self._texts[first : first + _IDS_PER_CHUNK]
+
+    def __len__(self) -> int:
+        return len(self._texts)
+
+    def __getitem__(self, some: slice) -> NDArray[np.str_]:
+        return np.array(self._texts[some], dtype=self.dtype)
+
+
+def _fill(group: Any, name: str, values: _Texts | NDArray[np.float64], over: list[str]) -> None:
+    chunk = (min(max(len(values), 1), _IDS_PER_CHUNK),)
+    _create(group, name, values.shape, chunk, values.dtype, {"_ARRAY_DIMENSIONS": over})
+    for first in range(0, len(values), _IDS_PER_CHUNK):
+        some = slice(first, min(first + _IDS_PER_CHUNK, len(values)))
+        group[name][some] = values[some]
+
+
+def _create(
+    group: Any,
+    name: str,
+    shape: tuple[int, ...],
+    chunks: tuple[int, ...],
+    dtype: np.dtype[np.generic],
+    attributes: dict[str, Any],
+) -> None:
+    from numcodecs import Shuffle, Zstd
+
+    # not Blosc, which as a rule lets its threads decide the order of bytes
+    group.create_array(
+        name,
+        shape=shape,
+        chunks=tuple(min(chunk, max(length, 1)) for chunk, length in zip(chunks, shape, strict=True)),
+        dtype=dtype,
+        filters=[Shuffle(dtype.itemsize)] if dtype.kind == "f" else None,
+        compressors=Zstd(level=1),
+        fill_value=np.nan if dtype.kind == "f" else None,
+        attributes=attributes,
+    )

@@ -1,0 +1,401 @@
+"""Evaluate given settings: the table setting x dimension, in memory or chunk by chunk into a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..evaluation import COLUMNS, WARNINGS, BestRows, as_dataset
+from ..evaluation import success_probability as first_order_probability
+from ..exceptions import InputError, NoCandidateError
+from ..execution.chunks import (
+    CONFIDENCE,
+    DEFAULT_PRECISION,
+    SETTINGS_PER_CHUNK,
+    EvaluationJob,
+    SettingSource,
+    TableJob,
+    candidate_grid,
+    chunks_of,
+    evaluator_of,
+    require_chunk_size,
+    table_chunk,
+)
+from ..execution.executor import Executor, InProcess
+from ..execution.fingerprint import job_fingerprint
+from ..execution.progress import Progress, Silent
+from ..formats.poses.viewpoints_file import read_settings
+from ..geometry import PoseError, require_poses
+from ..part import Dimension
+from ..planning import without_allowed_error
+from ..planning.inspection import ExplicitSettings, Inspection
+from ..sensors import Camera
+from ..visibility import REASONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..formats.tables.table_store import TableStore
+
+__all__ = ["Evaluation", "Method", "SettingsLike", "evaluate", "evaluate_into", "settings_of", "success_probability"]
+
+Method = Literal["joint", "independent", "monte-carlo"]
+SettingsLike = ExplicitSettings | str | PathLike[str] | ArrayLike | None
+
+_SIMULATED_PER_CHUNK = 32  # settings between two signs of progress
+_OPTIONAL = ("validity", "probability_low", "probability_high")  # in files after the standard columns
+_NAMES = {"reason": REASONS, "validity": ("", *WARNINGS)}
+_FLAGS = ("visible", "accepted")
+
+
+def evaluate(
+    inspection: Inspection,
+    settings: SettingsLike = None,
+    *,
+    method: Method = "joint",
+    precision: float = DEFAULT_PRECISION,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """The table setting x dimension, in memory; :func:`evaluate_into` writes one of any length.
+
+    Parameters
+    ----------
+    settings
+        A settings file (CSV), poses ``T_part_camera`` ``(n, 4, 4)`` mm, or None for those that the inspection
+        file names.
+    method
+        "joint" (both ends share the pose error, the default), "independent" (the paper's), or "monte-carlo" (the
+        exact camera by randomised quasi-Monte Carlo, for each visible pair).
+    precision
+        With "monte-carlo": half-width of the 99 % confidence interval of each probability.
+
+    Returns
+    -------
+    Dataset over (setting, dimension) with the columns ``visible, reason, image_length_px, angle_rad,
+    relative_tolerance, sigma_displacement_px, sigma_quantization_px, probability, expected_accuracy, accepted``
+    and ``gauge``, the index of the best gauge, and ``validity``, what makes the first-order probability doubtful;
+    with "monte-carlo" also the confidence interval ``probability_low, probability_high``.
+    """
+    progress = progress or Silent()
+    chosen = settings_of(inspection, settings)
+    dimensions, job = _job(inspection, chosen, method, precision, None)
+    pieces: list[Mapping[str, NDArray[np.generic]]] = []
+    with progress.stage(_stage(len(chosen), method, precision), len(chosen)) as advance:
+        for chunk in chunks_of(chosen, _chunk_size(method, SETTINGS_PER_CHUNK)):
+            pieces.append(table_chunk(job, chunk)[1])
+            advance(chunk[1] - chunk[0])
+    columns = {name: np.concatenate([piece[name] for piece in pieces]) for name in job.columns}
+    evaluator = evaluator_of(job.evaluation)
+    attrs = _attributes(inspection, method, precision)
+    return as_dataset(columns, chosen.ids, dimensions, evaluator.allowed_error_mm, attrs)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What is left of a table that was written elsewhere, or nowhere.
+
+    Parameters
+    ----------
+    settings
+        Number of settings.
+    dimensions
+        Ids.
+    best
+        The surest setting of each dimension, by index.
+    required_probability
+        From which on a pair is accepted.
+    """
+
+    settings: int
+    setting_ids: Sequence[str]
+    dimensions: tuple[str, ...]
+    best: BestRows
+    required_probability: float
+
+    def best_of_each(self) -> dict[str, dict[str, object]]:
+        """For each dimension its surest setting, as plain data: setting, visible, reason, probability, accepted."""
+        rows: dict[str, dict[str, object]] = {}
+        for j, name in enumerate(self.dimensions):
+            values, visible = self.best.values, bool(self.best.values.visible[j])
+            probability = float(values.probability[j])
+            rows[name] = {
+                "setting": str(self.setting_ids[int(self.best.setting[j])]),
+                "visible": visible,
+                "reason": REASONS[int(values.reason[j])],
+                "probability": probability,
+                "expected_accuracy": float(values.expected_accuracy[j]),
+                "accepted": visible and probability >= self.required_probability,
+                "validity": _NAMES["validity"][int(values.validity[j])],
+            }
+        return rows
+
+
+def evaluate_into(
+    inspection: Inspection,
+    path: str | PathLike[str] | None,
+    settings: SettingsLike = None,
+    *,
+    sampled: bool = False,
+    columns: Sequence[str] | None = None,
+    method: Method = "joint",
+    precision: float = DEFAULT_PRECISION,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+    settings_per_chunk: int = SETTINGS_PER_CHUNK,
+) -> Evaluation:
+    """Write the table setting x dimension chunk by chunk: memory holds a few chunks, however long it is.
+
+    Parameters
+    ----------
+    path
+        A file in CSV or Parquet or a Zarr folder, by suffix; None to write nothing. A Zarr table that was interrupted
+        goes on where it was when the same is asked for again, and has the same bytes in the end.
+    settings, method, precision
+        As for :func:`evaluate`.
+    sampled
+        Evaluate the candidates that a plan would sample, in place of given settings.
+    columns
+        Names of the columns to write, whose order does not matter; by default all, but ``gauge`` to Zarr only.
+    executor
+        Where chunks run (:func:`~viewgauge.jobs.open_executor`); by default in this process. Zarr is written by
+        the processes of the executor, which must all see the path.
+    settings_per_chunk
+        Bounds the memory of a process; of Zarr also the chunks.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, or the place cannot be written.
+    """
+    progress, executor = progress or Silent(), executor or InProcess()
+    require_chunk_size(settings_per_chunk)
+    source: SettingSource
+    if sampled:
+        if settings is not None:
+            raise InputError("sampled candidates and given settings exclude each other", key="settings")
+        source, ids = _sampled(inspection)
+    else:
+        source = chosen = settings_of(inspection, settings)
+        ids = chosen.ids
+    wanted = _wanted(columns, method)
+    threads = None if isinstance(executor, InProcess) else 1
+    dimensions, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
+    size = _chunk_size(method, settings_per_chunk)
+    best: BestRows | None = None
+    with (
+        _store(path, inspection, ids, dimensions, job, size, method, precision, columns is not None) as store,
+        progress.stage(_stage(len(source), method, precision), len(source)) as advance,
+    ):
+        chunks = chunks_of(source, size)
+        done: Mapping[int, Mapping[str, Any]] = {} if store is None else store.done
+        for k, summary in done.items():
+            best = _merged(best, BestRows.from_arrays({n: np.array(v) for n, v in summary["best"].items()}))
+            advance(chunks[k][1] - chunks[k][0])
+        left = [k for k in range(len(chunks)) if k not in done]
+        job = _with_writer(job, store)
+        for at, (found, values) in executor.run(table_chunk, job, [chunks[k] for k in left]):
+            if store is not None and job.writer is None:
+                store.write(chunks[left[at]][0], values)
+            best = _merged(best, found)
+            advance(chunks[left[at]][1] - chunks[left[at]][0])
+    assert best is not None  # there is at least one chunk
+    named = tuple(dimension.id for dimension in dimensions)
+    return Evaluation(len(source), ids, named, best, inspection.requirement.probability)
+
+
+def _merged(ours: BestRows | None, theirs: BestRows) -> BestRows:
+    return theirs if ours is None else ours.merged(theirs)
+
+
+def _job(
+    inspection: Inspection,
+    source: SettingSource,
+    method: Method,
+    precision: float,
+    threads: int | None,
+    columns: tuple[str, ...] | None = None,
+) -> tuple[tuple[Dimension, ...], TableJob]:
+    from ..simulation.quasi_monte_carlo import require_precision
+
+    if method not in ("joint", "independent", "monte-carlo"):
+        raise InputError("unknown method", key="method", got=method, expected="joint, independent or monte-carlo")
+    exact = method == "monte-carlo"
+    require_precision(precision)
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    first_order = "joint" if method == "monte-carlo" else method
+    evaluation = EvaluationJob.of(inspection, dimensions, source, first_order, threads)
+    columns = _wanted(None, method) if columns is None else columns
+    return dimensions, TableJob(evaluation, columns, precision if exact else None, inspection.seed)
+
+
+def _wanted(columns: Sequence[str] | None, method: Method) -> tuple[str, ...]:
+    """The columns to write, in their order."""
+    known = (*COLUMNS, *(_OPTIONAL if method == "monte-carlo" else _OPTIONAL[:1]), "gauge")
+    if columns is None:
+        return known
+    expected = ", ".join(known)
+    if not any(columns):
+        raise InputError("no column is named", key="columns", got=", ".join(columns), expected=expected)
+    for k, name in enumerate(columns):
+        if name not in known:
+            raise InputError("no such column", key="columns", got=name, expected=expected)
+        if name in columns[:k]:
+            raise InputError("a column is named twice", key="columns", got=name, expected="each once")
+    return tuple(name for name in known if name in columns)
+
+
+def _chunk_size(method: Method, given: int) -> int:
+    return min(given, _SIMULATED_PER_CHUNK) if method == "monte-carlo" else given
+
+
+def _stage(settings: int, method: Method, precision: float) -> str:
+    how = f" with the exact camera to {precision:g}" if method == "monte-carlo" else ""
+    return f"Evaluating {settings} settings{how}"
+
+
+def _attributes(inspection: Inspection, method: Method, precision: float) -> dict[str, str | float]:
+    attrs: dict[str, str | float] = {"method": method, "required_probability": inspection.requirement.probability}
+    return attrs | ({"precision": precision, "confidence": CONFIDENCE} if method == "monte-carlo" else {})
+
+
+@contextmanager
+def _store(
+    path: str | PathLike[str] | None,
+    inspection: Inspection,
+    ids: Sequence[str],
+    dimensions: tuple[Dimension, ...],
+    job: TableJob,
+    size: int,
+    method: Method,
+    precision: float,
+    asked_for: bool,
+) -> Iterator[TableStore | None]:
+    if path is None:
+        yield None
+        return
+    from ..formats.tables.table_store import Column, TableLayout, open_table
+
+    def column(name: str) -> Column:
+        if name in _NAMES:
+            return Column(name, "name", _NAMES[name])
+        if name == "gauge":
+            return Column(name, "whole", in_rows=asked_for)  # in rows of no use to most
+        return Column(name, "flag" if name in _FLAGS else "real")
+
+    attrs = _attributes(inspection, method, precision)
+    layout = TableLayout(
+        setting_ids=ids,
+        dimension_ids=[dimension.id for dimension in dimensions],
+        columns=tuple(column(name) for name in job.columns),
+        chunk_settings=size,
+        coordinates={
+            "nominal_mm": np.array([dimension.nominal_mm for dimension in dimensions]),
+            "allowed_error_mm": evaluator_of(job.evaluation).allowed_error_mm,
+        },
+        attrs=attrs,
+    )
+    fingerprint = job_fingerprint(inspection, job.evaluation, size, layout.columns, sorted(attrs.items()))
+    with open_table(path, layout, fingerprint) as store:
+        yield store
+
+
+def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
+    writer = getattr(store, "writer", None)
+    return job if writer is None else replace(job, writer=writer())
+
+
+def settings_of(inspection: Inspection, settings: SettingsLike) -> ExplicitSettings:
+    """Settings as they may be given: a file, poses, or those that the inspection names; raises InputError."""
+    if settings is None:
+        if inspection.settings is None:
+            raise InputError(
+                "no settings to evaluate", hint="give a settings file (CSV), or name one in candidates.settings"
+            )
+        return inspection.settings
+    if isinstance(settings, str | PathLike):
+        return ExplicitSettings(*read_settings(settings))
+    if not isinstance(settings, ExplicitSettings):
+        poses = require_poses(settings, "settings").reshape(-1, 4, 4)
+        settings = ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
+    if not len(settings):
+        raise InputError("no settings to evaluate", key="settings", got="no pose", expected="at least one")
+    return settings
+
+
+def _sampled(inspection: Inspection) -> tuple[SettingSource, Sequence[str]]:
+    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    if not dimensions:
+        raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
+    grid = candidate_grid(inspection, dimensions)
+    return grid, _Numbered(len(grid))
+
+
+class _Numbered(Sequence[str]):
+    """The names C1, C2, … of any number of settings, made when they are asked for."""
+
+    def __init__(self, count: int) -> None:
+        self._places = range(1, count + 1)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    @overload
+    def __getitem__(self, k: int) -> str: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[str]: ...
+    def __getitem__(self, k: int | slice) -> str | list[str]:
+        return [f"C{place}" for place in self._places[k]] if isinstance(k, slice) else f"C{self._places[k]}"
+
+
+def success_probability(
+    start: ArrayLike,
+    end: ArrayLike,
+    camera: Camera,
+    error: PoseError,
+    relative_tolerance: ArrayLike,
+    method: Method = "joint",
+    *,
+    precision: float = DEFAULT_PRECISION,
+    seed: int = 0,
+) -> NDArray[np.float64]:
+    """Pr{|measured - nominal image length| <= T L} of segments (paper, eq. 20); arguments broadcast.
+
+    Parameters
+    ----------
+    start, end
+        ``(..., 3)`` mm, camera frame. A segment with an end behind the camera has probability 0.
+    relative_tolerance
+        T = 1 - required accuracy.
+    method
+        "joint", "independent", or "monte-carlo" (the exact camera).
+    precision, seed
+        With "monte-carlo": half-width of the 99 % confidence interval, and the seed of the draws.
+    """
+    if method != "monte-carlo":
+        return first_order_probability(start, end, camera, error, relative_tolerance, method)
+    from ..simulation import estimate_success_probabilities, require_precision
+
+    require_precision(precision)
+    tolerance = np.asarray(relative_tolerance, dtype=float)
+    start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
+    shape = np.broadcast_shapes(start.shape[:-1], tolerance.shape)
+    starts, ends = (np.broadcast_to(p, (*shape, 3)).reshape(-1, 3) for p in (start, end))
+    seen = (starts[:, 2] > 0) & (ends[:, 2] > 0)
+    result = np.zeros(len(starts))
+    result[seen] = estimate_success_probabilities(
+        starts[seen],
+        ends[seen],
+        camera,
+        error,
+        np.broadcast_to(tolerance, shape).ravel()[seen],
+        precision=precision,
+        confidence=CONFIDENCE,
+        seed=seed,
+    ).probability
+    return result.reshape(shape)

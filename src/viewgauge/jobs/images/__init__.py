@@ -1,0 +1,1 @@
+"""The jobs with images: simulate them, measure in them, validate the law of the error by them."""

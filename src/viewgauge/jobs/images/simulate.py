@@ -1,0 +1,156 @@
+"""Images of the part as the camera sees it when the head is sent to settings and does not quite get there."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...exceptions import InputError
+from ...execution.chunks import EvaluationJob
+from ...execution.progress import Progress, Silent
+from ...formats.files.atomic import write_text_atomically
+from ...formats.files.images import write_png
+from ...geometry import quaternion_from_pose
+from ...measurement.image.measurand_image import gauge_windows
+from ...planning.inspection import ExplicitSettings, Inspection
+from ...sensors import Window
+from ...simulation.displaced_poses import displaced_poses
+from ...simulation.image_sensor import ImageSensor
+from ...simulation.partial_image import partial_image
+from ...simulation.renderer import Renderer
+from ...simulation.true_camera import true_camera
+from ..evaluate import SettingsLike, settings_of
+from ..write import make_folder
+from .measure import seen_gauges
+
+__all__ = ["simulate"]
+
+_CALIBRATION = 1 << 31  # of the seed of the true camera, beside those of the settings
+
+
+def simulate(
+    inspection: Inspection,
+    folder: str | PathLike[str],
+    settings: SettingsLike = None,
+    *,
+    looks: int = 1,
+    sensor: ImageSensor | None = None,
+    rays_per_pixel: int = 34,
+    only: Sequence[str] = (),
+    seed: int | None = None,
+    progress: Progress | None = None,
+) -> int:
+    """Write images ``SETTING_LOOK.png`` of displaced looks, and ``looks.csv`` with where the camera really stood.
+
+    Where the inspection states how well its camera is calibrated, one true camera is drawn, with which all images are
+    made; ``simulation.json`` has it.
+
+    What was written before by the same call is kept: a simulation that was stopped goes on.
+
+    Parameters
+    ----------
+    folder
+        For images, ``looks.csv`` (the truth, which no measurement may read) and ``simulation.json``.
+    settings
+        As of :func:`~viewgauge.evaluate`, such as a plan's ``settings.csv``.
+    looks
+        Of each setting; the head's errors are drawn anew for each.
+    rays_per_pixel
+        Of :data:`~viewgauge.simulation.renderer.FIBONACCI`.
+    only
+        Ids of dimensions: only what is looked at to measure them is rendered, the rest of the image is black. None for
+        all of it.
+
+    Returns
+    -------
+    The number of images.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, or the folder holds another simulation.
+    """
+    if looks < 1:
+        raise InputError("at least one look", key="looks", got=looks)
+    chosen, sensor, progress = settings_of(inspection, settings), sensor or ImageSensor(), progress or Silent()
+    seed = inspection.seed if seed is None else seed
+    if seed < 0:
+        raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
+    windows = _windows(inspection, chosen, only)
+    camera = true_camera(inspection.camera, np.random.default_rng([seed, _CALIBRATION]))
+    mesh = inspection.part.mesh
+    renderer = Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel)
+    place = make_folder(folder)
+    about = {
+        "inputs": dict(inspection.inputs),
+        "settings": {name: T.tolist() for name, T in zip(chosen.ids, chosen.T_part_camera, strict=True)},
+        "looks": looks,
+        "sensor": asdict(sensor),
+        "rays_per_pixel": rays_per_pixel,
+        "chord_error_mm": mesh.chord_error_mm,
+        "only": list(only),
+        "true_camera": {
+            "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
+            "principal_point_px": list(camera.principal_point),
+            "distortion": None if camera.lens is None else list(camera.lens.coefficients),
+        },
+        "seed": seed,
+    }
+    _claim(place / "simulation.json", about)
+    rows = []
+    with progress.stage(f"Simulating {len(chosen) * looks} images", len(chosen) * looks) as advance:
+        for number, (name, T) in enumerate(zip(chosen.ids, chosen.T_part_camera, strict=True)):
+            poses = displaced_poses(T, inspection.head, looks, np.random.default_rng([seed, number]))
+            for look, pose in enumerate(poses, start=1):
+                file = f"{name}_{look:04d}.png"
+                rows.append([file, name, look, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
+                if not (place / file).exists():
+                    rng = np.random.default_rng([seed, number, look])
+                    grey = partial_image(renderer, sensor, pose, camera, windows[number], rng)
+                    write_png(place / file, grey, sensor.bits)
+                advance(1)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["image", "setting", "look", "x", "y", "z", "qw", "qx", "qy", "qz"])
+    writer.writerows(rows)
+    write_text_atomically(place / "looks.csv", text.getvalue())
+    return len(rows)
+
+
+def _windows(inspection: Inspection, settings: ExplicitSettings, only: Sequence[str]) -> list[list[Window]]:
+    """Of each setting what is rendered."""
+    camera, head = inspection.camera, inspection.head
+    if not only:
+        return [[Window.whole(camera)]] * len(settings)
+    known = {dimension.id: dimension for dimension in inspection.part.dimensions}
+    for name in only:
+        if name not in known:
+            raise InputError("no such dimension", key="only", got=name, expected=", ".join(known))
+    evaluation = EvaluationJob.of(inspection, [known[name] for name in only], settings)
+    return [
+        [window for gauge in seen_gauges(evaluation, T).values() for window in gauge_windows(gauge, T, camera, head)]
+        for T in settings.T_part_camera
+    ]
+
+
+def _claim(path: Path, about: dict[str, Any]) -> None:
+    """Note what is simulated, or see that it is the same as before."""
+    text = json.dumps(about, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    if not path.exists():
+        write_text_atomically(path, text)
+    elif path.read_text(encoding="utf-8") != text:
+        raise InputError(
+            "the folder holds images of another simulation", file=path.parent, hint="choose another folder, or empty it"
+        )
+
+
+def _text(value: float) -> str:
+    return repr(float(value))

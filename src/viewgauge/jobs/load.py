@@ -1,0 +1,229 @@
+"""Read an inspection: its file, its part, and whatever else it names."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..exceptions import InputError, InspectionFileError, PartFileError
+from ..formats.inspection.inspection_text import read_inspection_text
+from ..formats.step.kernel_process import reading_step
+
+if TYPE_CHECKING:  # what takes long to import is imported while a child process reads the part
+    from ..formats.inspection.inspection_file import DimensionEntry, InspectionFile
+    from ..part import Brep, Dimension, Part, Unusable
+    from ..planning.inspection import Inspection
+
+__all__ = ["load"]
+
+_STEP_SUFFIXES = {".stp", ".step", ".p21"}
+_MESH_SUFFIXES = {".stl", ".ply", ".obj"}
+
+
+def load(
+    path: str | PathLike[str],
+    *,
+    part: str | PathLike[str] | None = None,
+    chord_error_mm: float | None = None,
+    meanwhile: Callable[[], object] | None = None,
+    within: str | PathLike[str] | None = None,
+) -> Inspection:
+    """Read an inspection file and everything that it names.
+
+    Parameters
+    ----------
+    path
+        The inspection file (YAML).
+    part
+        CAD file or mesh, in place of the file's own ``part.file``.
+    chord_error_mm
+        How far the mesh of a CAD part may be from its curved faces; None to choose it by the part's size.
+    meanwhile
+        Called once the inspection file is found right, while another process still reads a STEP file: the time to
+        import what comes next.
+    within
+        The only folder from which files that the inspection file names may be read; None for any.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or something in it cannot be used; it says where.
+    """
+    text = read_inspection_text(path, None if within is None else Path(within))
+    part_path = Path(part) if part is not None else text.part_file
+    if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
+        raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")
+    with _reading_part(part_path, chord_error_mm) as finish:
+        from ..formats.inspection.inspection_file import read_inspection_file
+
+        file = read_inspection_file(text)
+        if part_path is None:
+            raise InspectionFileError(
+                "no part is given", file=file.path, key="part.file", hint="name the part's file there, or with --part"
+            )
+        if meanwhile is not None:
+            meanwhile()
+        return _inspection(file, part_path, _with_entries(finish(), file))
+
+
+def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
+    from ..formats.poses.viewpoints_file import read_settings
+    from ..planning.inspection import ExplicitSettings, Inspection
+
+    settings = None
+    if file.settings_file is not None:
+        ids, poses = read_settings(file.settings_file)
+        settings = ExplicitSettings(ids, poses)
+    used = (
+        file.path,
+        part_path,
+        file.settings_file,
+        file.covariance_file,
+        file.common_covariance_file,
+        file.calibration_file,
+    )
+    return Inspection(
+        name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
+        part=part,
+        camera=file.camera,
+        head=file.head,
+        requirement=file.requirement,
+        candidates=file.candidates,
+        limits=file.limits,
+        settings=settings,
+        seed=file.seed,
+        inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
+        looks=file.looks,
+    )
+
+
+@contextmanager
+def _reading_part(path: Path | None, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
+    """Begin to read a part; call what the block is given for the part, or for the error that says why there is none.
+
+    That of a STEP file comes with the dimensions of its PMI, that of a mesh with none.
+    """
+    suffix = "" if path is None else path.suffix.lower()
+    if path is not None and suffix in _STEP_SUFFIXES:
+        with reading_step(path, chord_error_mm=chord_error_mm) as finish:
+            yield lambda: _part_of_step(finish, path)
+    elif path is not None and suffix in _MESH_SUFFIXES:
+        yield lambda: _part_of_mesh(path)
+    else:
+        yield lambda: _part_of_unknown(path)
+
+
+def _part_of_step(finish: Callable[[], Brep], path: Path) -> Part:
+    from ..part import Part
+    from ..part.characteristics import derive_dimensions
+    from ..part.feature_lines import brep_feature_lines
+
+    brep = finish()
+    dimensions, unusable = derive_dimensions(brep)
+    return Part(
+        name=brep.name or path.stem,
+        mesh=brep.mesh,
+        dimensions=dimensions,
+        unusable=unusable,
+        notes=brep.notes,
+        length_unit=brep.length_unit,
+        feature_lines=brep_feature_lines(brep),
+    )
+
+
+def _part_of_mesh(path: Path) -> Part:
+    from ..formats.mesh.meshes import read_mesh
+    from ..part import Part
+    from ..part.feature_lines import mesh_feature_lines
+
+    mesh, notes = read_mesh(path)
+    return Part(path.stem, mesh, (), notes=notes, feature_lines=mesh_feature_lines(mesh))
+
+
+def _part_of_unknown(path: Path | None) -> Part:
+    raise PartFileError(
+        "this kind of part file is not known",
+        file=path,
+        got=f"suffix {path.suffix!r}" if path is not None else None,
+        expected="STEP (.stp, .step, .p21) or a mesh (.stl, .ply, .obj)",
+    )
+
+
+def _with_entries(part: Part, file: InspectionFile) -> Part:
+    """The part with the inspection file's own dimensions and tolerances.
+
+    An entry with two points adds a dimension (or takes the place of the PMI's of the same id); an entry without
+    changes the tolerance or observation of the PMI's; the general tolerance goes to dimensions that have none.
+    """
+    dimensions = {dimension.id: dimension for dimension in part.dimensions}
+    unusable = {entry.id: entry for entry in part.unusable}
+    notes = list(part.notes)
+    for entry in file.dimensions:
+        if not entry.is_override:
+            if entry.id in dimensions or entry.id in unusable:
+                notes.append(f"dimension {entry.id}: the inspection file's two points replace the part's PMI")
+                unusable.pop(entry.id, None)
+            dimensions[entry.id] = _own_dimension(entry, part, file)
+        elif entry.id in dimensions:
+            dimensions[entry.id] = _changed(dimensions[entry.id], entry)
+        elif entry.id not in unusable:
+            raise InspectionFileError(
+                f"dimension {entry.id!r} is not in the part's PMI",
+                file=file.path,
+                line=entry.line,
+                key="part.dimensions",
+                expected=_known(dimensions, unusable),
+                hint="give it two points, start and end, or correct its id",
+            )
+    if file.general_tolerance_mm is not None:
+        for name, dimension in dimensions.items():
+            if dimension.tolerance_mm is None:
+                dimensions[name] = replace(dimension, tolerance_mm=file.general_tolerance_mm)
+    if not dimensions and not unusable:
+        raise InspectionFileError(
+            "there is no dimension to measure: the part brings none, and the file gives none",
+            file=file.path,
+            key="part.dimensions",
+            hint="add dimensions with an id, a start and an end to part.dimensions",
+        )
+    return replace(part, dimensions=tuple(dimensions.values()), unusable=tuple(unusable.values()), notes=tuple(notes))
+
+
+def _own_dimension(entry: DimensionEntry, part: Part, file: InspectionFile) -> Dimension:
+    from ..part import Dimension
+    from ..part.characteristics.point_pairs import gauge_on_mesh
+
+    assert entry.start_mm is not None  # the caller's condition
+    assert entry.end_mm is not None
+    try:
+        gauge = gauge_on_mesh(part.mesh, entry.start_mm, entry.end_mm)
+    except InputError as error:
+        raise InspectionFileError(
+            f"dimension {entry.id!r}: {error.problem}",
+            file=file.path,
+            line=entry.line,
+            key="part.dimensions",
+            got=error.got,
+            expected=error.expected,
+            hint=error.hint,
+        ) from error
+    return Dimension(entry.id, "gauge", gauge.length_mm, entry.tolerance_mm, (gauge,), entry.observed or "ends")
+
+
+def _changed(dimension: Dimension, entry: DimensionEntry) -> Dimension:
+    return replace(
+        dimension,
+        tolerance_mm=entry.tolerance_mm or dimension.tolerance_mm,
+        observed=entry.observed or dimension.observed,
+    )
+
+
+def _known(dimensions: dict[str, Dimension], unusable: dict[str, Unusable]) -> str:
+    names = [*dimensions, *unusable]
+    return "one of " + ", ".join(names[:20]) + (", …" if len(names) > 20 else "") if names else "no id: there is no PMI"

@@ -1,0 +1,118 @@
+"""Pose errors from poses that were commanded and measured, or measured again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exceptions import InputError
+from ...geometry import invert
+
+__all__ = ["PoseSamples", "errors_about_group_means", "errors_of_poses"]
+
+_MEAN_STEPS = 20
+
+
+@dataclass(frozen=True)
+class PoseSamples:
+    """Pose errors of n samples.
+
+    Parameters
+    ----------
+    errors
+        ``(n, 6)`` [x, y, z, rx, ry, rz], mm and rad, translation first, head frame, perturbation on the left: as in
+        :class:`~viewgauge.geometry.PoseError`.
+    names
+        Of the samples, for messages.
+    parameters
+        How many of the ``6 n`` numbers a model was fitted with, which the errors are residuals of.
+    repeated
+        The errors are about the means of groups: they have no mean of their own.
+    noise
+        ``(n, 6, 6)``: covariance of what measuring the pose added to each error, same units and frame; None where that
+        counts for nothing.
+    """
+
+    errors: NDArray[np.float64]
+    names: tuple[str, ...]
+    parameters: int = 0
+    repeated: bool = False
+    noise: NDArray[np.float64] | None = None
+
+
+def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(n, 6)``: the error with which the head reached each pose, head frame.
+
+    A point of the scene, seen from the head, is displaced by ``Trans(d) Rot_x Rot_y Rot_z`` (paper, eq. 6), the inverse
+    of the measured pose times the commanded one; from that matrix d and the three angles, exactly.
+
+    Parameters
+    ----------
+    T_base_commanded, T_base_measured
+        ``(n, 4, 4)`` mm: the head frame in a fixed frame.
+    """
+    displacement = invert(np.asarray(T_base_measured)) @ np.asarray(T_base_commanded)
+    return displacement_parameters(displacement)
+
+
+def displacement_parameters(displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(..., 6)`` of displacements ``Trans(d) Rot_x Rot_y Rot_z`` ``(..., 4, 4)``; angles below 90 degrees."""
+    R = displacement[..., :3, :3]
+    angles = np.stack(
+        [
+            np.arctan2(-R[..., 1, 2], R[..., 2, 2]),
+            np.arcsin(np.clip(R[..., 0, 2], -1, 1)),
+            np.arctan2(-R[..., 0, 1], R[..., 0, 0]),
+        ],
+        axis=-1,
+    )
+    return np.concatenate([displacement[..., :3, 3], angles], axis=-1)
+
+
+def errors_about_group_means(
+    T_base_measured: NDArray[np.float64], group: Sequence[str]
+) -> tuple[NDArray[np.float64], int]:
+    """``(n, 6)`` errors about the mean pose of each group of repeated visits, head frame, and the number of groups.
+
+    The mean pose is the one about which the errors have no mean. Groups of one visit say nothing and raise.
+
+    Parameters
+    ----------
+    T_base_measured
+        ``(n, 4, 4)`` mm.
+    group
+        For each of them the pose that was commanded, by any name.
+    """
+    names = np.asarray(group)
+    errors = np.zeros((len(names), 6))
+    groups = np.unique(names)
+    for name in groups:
+        rows = np.flatnonzero(names == name)
+        if len(rows) < 2:
+            raise InputError(
+                "a pose was visited only once", key="pose", got=str(name), expected="each pose twice or more"
+            )
+        poses = T_base_measured[rows]
+        mean = poses[0]
+        for _ in range(_MEAN_STEPS):
+            found = errors_of_poses(np.broadcast_to(mean, poses.shape), poses)
+            step = found.mean(axis=0)
+            if np.abs(step).max() < 1e-13:
+                break
+            mean = mean @ invert(_displacement(step))
+        errors[rows] = found
+    return errors, len(groups)
+
+
+def _displacement(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(4, 4)``: ``Trans(d) Rot_x Rot_y Rot_z``."""
+    a, b, c = parameters[3:]
+    Rx = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+    Ry = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
+    Rz = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = Rx @ Ry @ Rz, parameters[:3]
+    return T

@@ -1,0 +1,118 @@
+"""Linear distances: between parallel planes given by faces or edges, and between the axes of equal holes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..brep import Callout, Reference
+from ..characteristic import Gauge
+from ..features.coincidence import is_parallel, unit
+from ..features.outline import Outline
+from ..features.parallel_planes import Side, distinct_normals, gauges_between, side_of
+from .axis_distances import axis_distance, has_axis
+from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
+from .selection import LIMIT
+
+__all__ = ["distance"]
+
+
+def distance(outline: Outline, callout: Callout) -> Outcome:
+    """The distance between what the callout's ``first`` and ``second`` refer to.
+
+    The distance is measured along the common normal of planes, or perpendicular to parallel lines. Edges that
+    bound flat faces across it stand for these: gauges on the edges themselves come first. Where the
+    references allow several distances (a step between sets of faces), the one closest to the nominal counts.
+    """
+    along_normals = _between_planes(outline, callout)
+    if isinstance(along_normals, Measured):
+        return along_normals
+    axes = [any(has_axis(outline, reference) for reference in side) for side in (callout.first, callout.second)]
+    if all(axes):
+        return axis_distance(outline, callout)
+    if any(axes):
+        return Unmeasured("an axis has no visible edge: its distance from a face or an edge cannot be seen")
+    return along_normals
+
+
+def _between_planes(outline: Outline, callout: Callout) -> Outcome:
+    found: list[tuple[float, NDArray[np.float64], list[Side], list[Side]]] = []
+    for normal in _normals(outline, callout):
+        first, second = (
+            [side for reference in references if (side := side_of(outline, reference, normal))]
+            for references in (callout.first, callout.second)
+        )
+        apart = {abs(float((b.point - a.point) @ normal)) for a in first for b in second}
+        found += [(value, normal, first, second) for value in sorted(apart) if value > outline.tolerance_mm]
+    if not found:
+        return Unmeasured(_why_no_planes(outline, callout))
+    best = closest([value for value, *_ in found], callout)
+    if not agrees(best, callout):
+        return Unmeasured(disagreement(best, callout))
+    for value, normal, first, second in found:
+        if abs(value - best) <= outline.tolerance_mm:
+            gauges = gauges_between(outline, first, second, normal, value)
+            whole = [[_whole_face(outline, side) for side in sides] for sides in (first, second)]
+            if _edges(whole[0]) != _edges(first) or _edges(whole[1]) != _edges(second):
+                gauges = _united(gauges, gauges_between(outline, whole[0], whole[1], normal, value))
+            if gauges:
+                return Measured(value, gauges)
+    return Unmeasured("no two visible edges of the two sides lie opposite each other along their normal")
+
+
+def _united(gauges: tuple[Gauge, ...], further: tuple[Gauge, ...]) -> tuple[Gauge, ...]:
+    """The gauges, then the further ones that are not among them, as many as one dimension may have."""
+    places = {(*gauge.start, *gauge.end) for gauge in gauges}
+    return (*gauges, *(gauge for gauge in further if (*gauge.start, *gauge.end) not in places))[:LIMIT]
+
+
+def _normals(outline: Outline, callout: Callout) -> list[NDArray[np.float64]]:
+    """Directions along which the distance may be meant: faces' normals, or those between lines given as edges."""
+    brep = outline.brep
+    references = (*callout.first, *callout.second)
+    flat = [brep.faces[r.index].axis for r in references if r.kind == "face" and brep.faces[r.index].kind == "plane"]
+    if flat:
+        return distinct_normals(flat)
+    between = [_between_lines(outline, a, b) for a in callout.first for b in callout.second]
+    adjoining = [
+        brep.faces[face].axis
+        for reference in references
+        if reference.kind == "edge"
+        for face in brep.edges[reference.index].faces
+        if brep.faces[face].kind == "plane"
+    ]
+    return distinct_normals(between + adjoining)
+
+
+def _between_lines(outline: Outline, a: Reference, b: Reference) -> NDArray[np.float64]:
+    """Direction from one straight edge to a parallel one, perpendicular to both; zero where there is none."""
+    if a.kind != "edge" or b.kind != "edge":
+        return np.zeros(3)
+    first, second = outline.brep.edges[a.index], outline.brep.edges[b.index]
+    direction = unit(first.points[-1] - first.points[0])
+    if first.kind != "line" or second.kind != "line":
+        return np.zeros(3)
+    if not is_parallel(direction, unit(second.points[-1] - second.points[0])):
+        return np.zeros(3)
+    offset = second.points[0] - first.points[0]
+    across = offset - (offset @ direction) * direction
+    return unit(across) if float(np.linalg.norm(across)) > outline.tolerance_mm else np.zeros(3)
+
+
+def _whole_face(outline: Outline, side: Side) -> Side:
+    """The side with all visible edges of the flat faces that its edges bound in its plane."""
+    edges = [edge for face in side.faces for edge in outline.visible_edges(face)]
+    return Side(side.point, tuple(dict.fromkeys((*side.edges, *edges))), side.faces)
+
+
+def _edges(sides: list[Side]) -> set[int]:
+    return {edge for side in sides for edge in side.edges}
+
+
+def _why_no_planes(outline: Outline, callout: Callout) -> str:
+    references = (*callout.first, *callout.second)
+    if any(r.kind == "edge" for r in references):
+        return "the edges are not parallel, or lie in no parallel planes"
+    if all(outline.brep.faces[r.index].kind == "plane" for r in references):
+        return "the faces are not parallel, or lie in one plane"
+    return "the faces are not parallel planes"

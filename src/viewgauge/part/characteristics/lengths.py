@@ -1,0 +1,125 @@
+"""Sizes that are no diameters: lengths of edges, of faces, and widths and thicknesses between parallel faces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..brep import Callout, Edge
+from ..characteristic import Gauge
+from ..features.coincidence import is_parallel, unit
+from ..features.outline import Outline
+from ..features.parallel_planes import Side, gauges_between
+from .distances import distance
+from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
+from .selection import LIMIT
+from .widths import widths
+
+__all__ = ["lengths"]
+
+
+def lengths(outline: Outline, callout: Callout) -> list[Outcome]:
+    """One outcome per feature that the callout sizes, in the order of the features' first references.
+
+    - straight edges: each one's length; two parallel ones, neither of that length: their distance
+    - one flat face: the distance between its opposite parallel edges
+    - several faces: pairs of parallel flat faces at the nominal distance; pairs that share a face are one
+      feature (the thickness of a plate whose underside is divided), others are features of their own
+    - cylinders: the distance between their flat ends
+    """
+    brep = outline.brep
+    edges = [r.index for r in callout.first if r.kind == "edge"]
+    faces = list(dict.fromkeys(r.index for r in callout.first if r.kind == "face"))
+    if edges and not faces:
+        return _of_edges(outline, callout, list(dict.fromkeys(edges)))
+    flat = [face for face in faces if brep.faces[face].kind == "plane"]
+    if not edges and len(faces) == len(flat) == 1:
+        return [_across_face(outline, callout, flat[0])]
+    if not edges and not flat and all(brep.faces[face].kind == "cylinder" for face in faces):
+        return [_along_cylinders(outline, callout, faces)]
+    if edges and len(callout.first) == 2:
+        return [_between_two(outline, callout)]
+    return widths(outline, callout, flat)
+
+
+def _between_two(outline: Outline, callout: Callout) -> Outcome:
+    """The distance between two references of one size."""
+    a, b = callout.first
+    return distance(outline, replace(callout, first=(a,), second=(b,)))
+
+
+def _of_edges(outline: Outline, callout: Callout, edges: list[int]) -> list[Outcome]:
+    straight = {i: outline.brep.edges[i] for i in edges if outline.brep.edges[i].kind == "line"}
+    if not straight:
+        return [Unmeasured("the length of a curved edge is no straight distance between two points")]
+    fitting = [i for i, edge in straight.items() if agrees(_length(edge), callout)]
+    if not fitting and len(edges) == 2:
+        return [_between_two(outline, callout)]
+    if not fitting:
+        return [Unmeasured(disagreement(closest([_length(edge) for edge in straight.values()], callout), callout))]
+    return [_edge_length(outline, i) for i in fitting]
+
+
+def _edge_length(outline: Outline, index: int) -> Outcome:
+    if not outline.is_visible(index):
+        return Unmeasured("the edge is smooth: its faces meet without a visible crease")
+    start, end = outline.brep.edges[index].points[[0, -1]]
+    return Measured(_length(outline.brep.edges[index]), (outline.gauge(index, start, index, end),))
+
+
+def _across_face(outline: Outline, callout: Callout, face: int) -> Outcome:
+    """The distance between opposite parallel straight edges of one flat face."""
+    edges = [i for i in outline.visible_edges(face) if outline.brep.edges[i].kind == "line"]
+    found: list[tuple[float, NDArray[np.float64], int, int]] = []
+    for i, j in combinations(edges, 2):
+        a, b = outline.brep.edges[i], outline.brep.edges[j]
+        direction = unit(a.points[-1] - a.points[0])
+        if is_parallel(direction, unit(b.points[-1] - b.points[0])):
+            across = np.cross(outline.brep.faces[face].axis, direction)
+            value = abs(float((b.points[0] - a.points[0]) @ across))
+            if value > outline.tolerance_mm:
+                found.append((value, across, i, j))
+    if not found:
+        return Unmeasured("the face has no two parallel visible edges")
+    if np.isnan(callout.nominal_mm) and len({round(value / outline.tolerance_mm) for value, *_ in found}) > 1:
+        return Unmeasured("the file gives no nominal value, and the face has several lengths")
+    best = closest([value for value, *_ in found], callout)
+    if not agrees(best, callout):
+        return Unmeasured(disagreement(best, callout))
+    gauges: list[Gauge] = []
+    for value, across, i, j in found:
+        if abs(value - best) <= outline.tolerance_mm:
+            first, second = (Side(outline.brep.edges[k].points[0], (k,), ()) for k in (i, j))
+            gauges += gauges_between(outline, [first], [second], across, best)
+    if not gauges:
+        return Unmeasured("no opposite edges of the face face each other")
+    return Measured(best, tuple(gauges[:LIMIT]))
+
+
+def _along_cylinders(outline: Outline, callout: Callout, faces: list[int]) -> Outcome:
+    """The distance between the flat ends of cylinders with one direction."""
+    axis = outline.brep.faces[faces[0]].axis
+    rims = [
+        edge
+        for face in faces
+        if is_parallel(outline.brep.faces[face].axis, axis)
+        for edge in outline.visible_edges(face)
+        if outline.brep.edges[edge].kind == "circle" and is_parallel(outline.brep.edges[edge].axis, axis)
+    ]
+    sides = [Side(outline.brep.edges[rim].centre, (rim,), ()) for rim in dict.fromkeys(rims)]
+    values = [abs(float((b.point - a.point) @ axis)) for a, b in combinations(sides, 2)]
+    values = [value for value in values if value > outline.tolerance_mm]
+    if not values:
+        return Unmeasured("the curved face has no two visible flat ends")
+    best = closest(values, callout)
+    if not agrees(best, callout):
+        return Unmeasured(disagreement(best, callout))
+    gauges = gauges_between(outline, sides, sides, axis, best)
+    return Measured(best, gauges) if gauges else Unmeasured("the flat ends do not face each other")
+
+
+def _length(edge: Edge) -> float:
+    return float(np.linalg.norm(edge.points[-1] - edge.points[0]))

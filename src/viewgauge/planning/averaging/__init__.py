@@ -1,0 +1,1 @@
+"""Characteristics that no single viewpoint meets, measured from several viewpoints and averaged."""

@@ -1,0 +1,178 @@
+"""How many settings any plan needs at least, wherever in the region its cameras stand.
+
+The region of eye positions is parted into cells, and for each cell and viewing direction a set of dimensions is found
+that holds all that can be measured from there (:mod:`cells`). The settings of any plan lie in such cells, so their
+sets cover all dimensions, and no plan has fewer settings than the least cover by the sets. Cells whose sets are part of
+what an actual setting measures need no splitting; of the others those with the largest sets are split, and the bound
+rises. The same holds for what might be measured from the middle of a cell: the bound cannot rise above the least cover
+by such sets, and when it is as high, or a plan at hand is, the search ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...evaluation import Requirement
+from ...geometry import PoseError
+from ...part import Dimension
+from ...sensors import Camera
+from ...visibility import ObservationLimits
+from ..cover.dominance import maximal_rows
+from ..cover.minimum_cover import minimum_cover
+from .cells import CellSets
+from .eye_region import EyeRegion, first_cell, halves
+
+__all__ = ["SettingsBound", "settings_lower_bound"]
+
+_SPLIT_AT_ONCE = 2048
+_WORK = 400_000_000  # pairs of a cell and a viewing direction with a gauge's end: some 10 s
+_SMALLEST = 1e-4  # of the region's size: cells are not split any more
+_COVER_TIME_S = 5.0
+
+
+@dataclass(frozen=True)
+class SettingsBound:
+    """The least number of settings.
+
+    Parameters
+    ----------
+    count
+        No plan in the region measures all dimensions with fewer settings.
+    apart
+        Ids of ``count`` > 1 dimensions of which no two can be measured from one setting, where such are known; else
+        empty.
+    cells
+        Cells of eye positions looked into.
+    """
+
+    count: int
+    apart: tuple[str, ...]
+    cells: int
+
+
+def settings_lower_bound(
+    dimensions: Sequence[Dimension],
+    requirement: Requirement,
+    camera: Camera,
+    error: PoseError,
+    limits: ObservationLimits,
+    region: EyeRegion,
+    *,
+    attained: NDArray[np.bool_] | None = None,
+    enough: int | None = None,
+    work: int = _WORK,
+) -> SettingsBound:
+    """Lower bound of the number of settings that measure all dimensions, over the continuous region.
+
+    Parameters
+    ----------
+    dimensions
+        Those that the plan measures. One that can be measured from nowhere counts for nothing.
+    attained
+        ``(n, d)``: what actual settings measure, such as the candidates; spares work.
+    enough
+        Number of settings of a known plan: reached, the bound is as high as it can be.
+    work
+        Pairs of a cell and a viewing direction with an end of a gauge, looked at at most.
+    """
+    if not dimensions:
+        return SettingsBound(0, (), 0)
+    sets = CellSets(dimensions, requirement, camera, error, limits, region)
+    known = np.zeros((0, len(dimensions)), dtype=bool) if attained is None else np.asarray(attained, dtype=bool)
+    low, high = first_cell(region)
+    smallest = _SMALLEST * float((high - low).max(initial=0.0))
+    found = _Cells.of(sets, low, high)
+    best, rows, looked_into = -1, known, 1
+    while True:
+        middle = (found.low + found.high) / 2
+        known = np.concatenate([known, sets.of(middle, middle)[1]])
+        known = known[maximal_rows(known)]
+        found = found.part(~_part_of_some(found.sets, known))
+        every = np.concatenate([known, found.sets])
+        every = every[maximal_rows(every)]
+        count = _least_cover(every)
+        if count >= best:
+            best, rows = count, every
+        if (enough is not None and best >= enough) or sets.looked_at >= work:
+            break
+        spent = max(sets.looked_at, 1) / looked_into
+        split = found.largest(every, smallest, max(int((work - sets.looked_at) / (4 * spent)), 1))
+        if not len(split):
+            break
+        halved = halves(found.low[split], found.high[split])
+        looked_into += len(halved[0])
+        found = found.part(~np.isin(found.owner, split)).joined(_Cells.of(sets, *halved))
+    apart = _apart(rows, best) if best > 1 else []
+    return SettingsBound(best, tuple(dimensions[j].id for j in apart), looked_into)
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Cells ``(n, 3)`` to ``(n, 3)`` mm, and m sets ``(m, d)`` of dimensions, each of the cell ``owner``."""
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    owner: NDArray[np.int64]
+    sets: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, sets: CellSets, low: NDArray[np.float64], high: NDArray[np.float64]) -> _Cells:
+        return cls(low, high, *sets.of(low, high))
+
+    def part(self, kept: NDArray[np.bool_]) -> _Cells:
+        """Only some of the sets, and the cells that own one."""
+        cells, owner = np.unique(self.owner[kept], return_inverse=True)
+        return _Cells(self.low[cells], self.high[cells], owner, self.sets[kept])
+
+    def largest(self, maximal: NDArray[np.bool_], smallest_mm: float, most: int) -> NDArray[np.int64]:
+        """Cells with a set among the maximal ones, the biggest cells first."""
+        which = np.unique(self.owner[np.isin(_keys(self.sets), _keys(maximal))])
+        size = (self.high - self.low)[which].max(axis=1, initial=0.0)
+        which, size = which[size > smallest_mm], size[size > smallest_mm]
+        return np.asarray(which[np.argsort(-size, kind="stable")[: min(_SPLIT_AT_ONCE, most)]])
+
+    def joined(self, other: _Cells) -> _Cells:
+        return _Cells(
+            np.concatenate([self.low, other.low]),
+            np.concatenate([self.high, other.high]),
+            np.concatenate([self.owner, other.owner + len(self.low)]),
+            np.concatenate([self.sets, other.sets]),
+        )
+
+
+def _keys(sets: NDArray[np.bool_]) -> NDArray[np.void]:
+    """One value for each set ``(m, d)``, equal for equal sets."""
+    packed = np.ascontiguousarray(np.packbits(sets, axis=1))
+    return packed.view(np.dtype((np.void, packed.shape[1])))[:, 0]
+
+
+def _part_of_some(sets: NDArray[np.bool_], others: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """``(m,)``: the set ``(m, d)`` is part of one of the others ``(k, d)``."""
+    shared = sets.astype(np.float32) @ others.T.astype(np.float32)
+    return np.asarray((shared == sets.sum(axis=1)[:, None]).any(axis=1))
+
+
+def _least_cover(sets: NDArray[np.bool_]) -> int:
+    """No fewer of the sets cover what they cover together."""
+    covered = sets[:, sets.any(axis=0)]
+    return minimum_cover(covered, _COVER_TIME_S).lower_bound if covered.shape[1] else 0
+
+
+def _apart(sets: NDArray[np.bool_], count: int) -> list[int]:
+    """``count`` dimensions of which no two are in one set, if they are found; else none."""
+    together = sets.T.astype(np.float32) @ sets.astype(np.float32) > 0
+    measurable = np.flatnonzero(together.diagonal())
+    for first in measurable:
+        chosen = [int(first)]
+        left = measurable[~together[first, measurable]]
+        while len(left):
+            # next the one that rules out the fewest of those left
+            chosen.append(int(left[together[np.ix_(left, left)].sum(axis=1).argmin()]))
+            left = left[~together[chosen[-1], left]]
+        if len(chosen) >= count:
+            return sorted(chosen[:count])
+    return []

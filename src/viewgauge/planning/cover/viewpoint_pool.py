@@ -1,0 +1,70 @@
+"""Settings to choose from, with what each measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .dominance import maximal_rows, probability_levels
+from .minimum_cover import Cover, surest_minimum_cover
+
+__all__ = ["SettingPool"]
+
+
+@dataclass(frozen=True)
+class SettingPool:
+    """Settings and how surely each measures each dimension.
+
+    Parameters
+    ----------
+    T_part_camera
+        ``(m, 4, 4)`` mm.
+    probability
+        ``(m, d)``, 0 where a dimension is not seen.
+    """
+
+    T_part_camera: NDArray[np.float64]
+    probability: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.T_part_camera)
+
+    def joined(self, other: SettingPool) -> SettingPool:
+        """The settings of both, those of this one first."""
+        return SettingPool(
+            np.concatenate([self.T_part_camera, other.T_part_camera]),
+            np.concatenate([self.probability, other.probability]),
+        )
+
+    def taken(self, rows: NDArray[np.int64]) -> SettingPool:
+        """Some of the settings."""
+        return SettingPool(self.T_part_camera[rows], self.probability[rows])
+
+    def best(self) -> NDArray[np.float64]:
+        """``(d,)``: of each dimension the highest probability."""
+        return np.asarray(self.probability.max(axis=0, initial=0.0))
+
+    def reached(self, required: float) -> NDArray[np.int64]:
+        """Indices of the dimensions that some setting measures as surely as required."""
+        return np.flatnonzero(self.best() >= required)
+
+    def weakest(self, required: float) -> float:
+        """The probability of the least sure of the dimensions that are met; 1 where there is none."""
+        best = self.best()
+        return float(best[best >= required].min(initial=1.0))
+
+    def measured_from(self) -> NDArray[np.int64]:
+        """``(d,)``: the row that measures each dimension the surest (the first of equal ones)."""
+        return np.asarray(self.probability.argmax(axis=0))
+
+    def worthwhile(self, required: float) -> NDArray[np.int64]:
+        """Rows that no other makes needless, ascending."""
+        return maximal_rows(probability_levels(self.probability, required))
+
+    def surest_cover(self, required: float, time_limit_s: float, gap: float = 0.0) -> tuple[SettingPool, int]:
+        """The fewest settings that measure all that is reached, of those the surest; and the lower bound."""
+        level = probability_levels(self.probability[:, self.reached(required)], required)
+        cover: Cover = surest_minimum_cover(level, time_limit_s, gap)
+        return self.taken(np.array(cover.chosen, dtype=np.int64)), cover.lower_bound

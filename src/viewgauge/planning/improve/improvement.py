@@ -1,0 +1,159 @@
+"""What to improve, as results: for dimensions and the part the least change of one thing, and what trades for what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...part import Unusable
+from .catalogue import SensorFormat
+
+__all__ = ["CameraChoice", "Change", "DimensionChanges", "Improvement", "Specification", "TradeOff"]
+
+
+@dataclass(frozen=True)
+class Change:
+    """The least change of one thing, all else as today, with which a dimension or the part is met.
+
+    Parameters
+    ----------
+    factor
+        Of today's value; None where no factor will do. At least 1 where it is met today: by so much it may be worse.
+        Of focal length and distance that end of the interval which is nearest to 1.
+    value
+        Today's times the factor, in the knob's unit.
+    interval
+        Values between which it is met; None for an end that nothing limits (of errors the lower one is 0).
+    unlimited
+        It is still met at 1024 times the error, or at the longest or shortest that was tried.
+    best_probability
+        Of a dimension where no factor will do: how sure it is without the error. None else.
+    verified
+        Evaluated afresh: met at the answer, and not met 0.1 % beyond it.
+    limited_by
+        The dimensions that are met no further, or those for which no factor will do, where it is said.
+    """
+
+    factor: float | None
+    value: float | None
+    interval: tuple[float | None, float | None] | None
+    unlimited: bool
+    best_probability: float | None
+    verified: bool
+    limited_by: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class DimensionChanges:
+    """A dimension today, and for each knob the least change."""
+
+    id: str
+    met: bool
+    probability: float
+    changes: dict[str, Change]
+
+
+@dataclass(frozen=True)
+class TradeOff:
+    """With a quantization step of ``pixel_px`` the largest factor of the head's errors with which the part is met.
+
+    None where not even a head without error will do.
+    """
+
+    pixel_px: float
+    head_factor: float | None
+    translation_mm: float | None
+    rotation_deg: float | None
+    verified: bool
+
+
+@dataclass(frozen=True)
+class Improvement:
+    """What to improve.
+
+    Parameters
+    ----------
+    today
+        Of each knob its value.
+    part
+        For all dimensions together, but for ``left_out``.
+    left_out
+        Dimensions that are not met even without any pixel and head error: what the camera sees is in the way.
+    settings
+        How many were tried: the candidates, and what refining found.
+    """
+
+    today: dict[str, float]
+    dimensions: tuple[DimensionChanges, ...]
+    part: dict[str, Change]
+    trade_off: tuple[TradeOff, ...]
+    left_out: tuple[str, ...]
+    unusable: tuple[Unusable, ...]
+    settings: int
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """A sensor with a lens, and what the head has to be.
+
+    Parameters
+    ----------
+    distance_mm
+        (nearest, farthest) that the candidates look from.
+    met
+        How many dimensions are met with the head of today.
+    head
+        The largest factor of the head's errors with which the part is met; ``limited_by`` those dimensions for which
+        not even a head without error will do.
+    translation_mm, rotation_deg
+        The largest standard deviations with that factor; None where no head will do, or where it has no error today.
+    pixel
+        With the head of today the coarsest step of the edge locator, px, with which the part is met; None where the
+        locator is ideal today.
+    """
+
+    sensor: SensorFormat
+    focal_length_mm: float
+    distance_mm: tuple[float, float]
+    met: int
+    head: Change
+    translation_mm: float | None
+    rotation_deg: float | None
+    pixel: Change | None
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """A head that may be worse, then more dimensions met, then a coarser locator: the best highest."""
+        coarsest = 0.0 if self.pixel is None else self.pixel.factor or 0.0
+        return (-1.0 if self.head.factor is None else self.head.factor, self.met, coarsest)
+
+
+@dataclass(frozen=True)
+class Specification:
+    """Cameras for a part.
+
+    Parameters
+    ----------
+    choices
+        Of every sensor and focal length for which there is a place to stand; fewest pixels, then shortest lens first.
+    dimensions
+        How many there are to be met.
+    """
+
+    choices: tuple[CameraChoice, ...]
+    dimensions: int
+    unusable: tuple[Unusable, ...]
+
+    @property
+    def best(self) -> tuple[CameraChoice, ...]:
+        """Of each sensor the lens with which the head may be worst."""
+        by_sensor: dict[str, CameraChoice] = {}
+        for choice in self.choices:
+            before = by_sensor.get(choice.sensor.name)
+            if before is None or choice.rank > before.rank:
+                by_sensor[choice.sensor.name] = choice
+        return tuple(by_sensor.values())
+
+    @property
+    def smallest(self) -> CameraChoice | None:
+        """The camera of the fewest pixels with which the part is met with the head of today; None where none is."""
+        return next((c for c in self.best if c.head.factor is not None and c.head.factor >= 1), None)

@@ -1,0 +1,313 @@
+"""From the best of the sampled settings to the best there is: fewer, and surer.
+
+Three things are tried in turn until none helps, each by searches over all poses that the region allows
+(:mod:`~viewgauge.planning.refine.pose_search`), from settings at hand:
+
+- *reach*: a dimension that no setting measures as required gets searches of its own;
+- *fewer*: settings are looked for that would make the cover smaller, those that hold dimensions worth more than one
+  setting by the prices of the linear relaxation (column generation), and those that could take the place of two;
+- *surer*: each chosen setting is moved to where the weakest of what it measures is surest; settings are looked for that
+  are worth more than one at a higher requirement.
+
+Whatever is found joins the settings to choose from, and the cover is chosen again.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...evaluation import Evaluator
+from ..cover.prices import dimension_prices
+from ..cover.viewpoint_pool import SettingPool
+from .pose_search import PoseSearch
+
+__all__ = ["AllowedPositions", "Refinement", "RefinementStep", "Refiner"]
+
+_WIDE, _NEAR, _CLOSE = PoseSearch(64, 12, 2.0), PoseSearch(64, 24, 1.0), PoseSearch(192, 40, 0.5)
+_STARTS = 24  # of a search, of the settings at hand
+_OTHERS = 11  # settings from which a better place of one is looked for, beside its own
+_PAIRS = 30  # of settings that may become one: no more are looked into
+_ROUNDS = 6  # of looking for fewer without finding
+_WORTH_MORE = 1e-6  # than one setting
+_STEP = 1e-4  # of the weakest dimension's probability, from which a change is worth another round
+_RAISED = 0.1  # of what lies between the weakest probability and 1: how much higher is asked for
+
+_Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+class AllowedPositions(Protocol):
+    """Where the centre of projection may stand."""
+
+    def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """``(n,)`` of positions ``(n, 3)`` mm, part frame."""
+        ...
+
+
+@dataclass(frozen=True)
+class RefinementStep:
+    """An arrangement in three numbers."""
+
+    name: str
+    count: int
+    met: int
+    weakest: float
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What refining a plan changed.
+
+    Parameters
+    ----------
+    steps
+        After each step, the sampled plan's own first: its name, the number of settings, the number of dimensions met,
+        and the probability of the weakest of them.
+    reached
+        Indices of dimensions that only settings found here measure as required.
+    generated
+        How many settings found here were kept to choose from.
+    finished
+        It ended because nothing helped any more, not because the time was up or somebody stopped it.
+    """
+
+    steps: tuple[RefinementStep, ...]
+    reached: tuple[int, ...]
+    generated: int
+    finished: bool
+
+
+class Refiner:
+    """Improves an arrangement of settings.
+
+    Parameters
+    ----------
+    evaluator
+        Of all d dimensions.
+    region
+        Where a setting may stand.
+    pool
+        Settings to choose from, at least those of the arrangement.
+    gauge_middle
+        ``(d, 3)`` mm, part frame: about where each dimension is.
+    least
+        Number of settings that is known to be needed, whatever the settings.
+    """
+
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        region: AllowedPositions,
+        required: float,
+        pool: SettingPool,
+        gauge_middle: NDArray[np.float64],
+        *,
+        seed: int,
+        deadline: float,
+        least: int = 1,
+    ) -> None:
+        self._evaluator, self._region, self._required = evaluator, region, required
+        self._middle, self._deadline, self._least = gauge_middle, deadline, least
+        self._rng = np.random.default_rng(seed)
+        self._of: dict[tuple[int, ...], Evaluator] = {}
+        self._sampled = len(pool)
+        self.pool = pool
+        self.nearest: dict[int, NDArray[np.float64]] = {}
+        """Of dimensions that were searched for apart, by index, the best pose ``(4, 4)`` mm."""
+
+    def improved(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int, Refinement]:
+        """A better arrangement or the same, the lower bound among all settings known, and what has changed."""
+        reached = self.pool.reached(self._required)
+        best, steps, finished = (chosen, bound), [self._told("sampled", chosen)], False
+        try:
+            for name, step in (("reach", self._reach), ("surer", self._surer), ("fewer", self._fewer)):
+                best = self._better(step(*best), best)
+                steps.append(self._told(name, best[0]))
+            finished = not self._late()
+        except KeyboardInterrupt:
+            pass  # what was found so far counts
+        found = tuple(np.setdiff1d(best[0].reached(self._required), reached).tolist())
+        return *best, Refinement(tuple(steps), found, len(self.pool) - self._sampled, finished)
+
+    def _told(self, name: str, chosen: SettingPool) -> RefinementStep:
+        met = len(chosen.reached(self._required))
+        return RefinementStep(name, len(chosen), met, chosen.weakest(self._required))
+
+    # --- the three steps ---------------------------------------------------------------------------------------------
+
+    def _reach(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+        missing = np.setdiff1d(np.arange(self.pool.probability.shape[1]), self.pool.reached(self._required))
+        if not len(missing):
+            return chosen, bound
+        for j in missing.tolist():
+            if self._late():
+                break
+            found = self._look([j], lambda p: p[:, 0], _WIDE, _NEAR)
+            first = found.taken(found.probability[:, j].argsort()[-1:])
+            found = self._searched(first, np.array([j]), lambda p: p[:, 0], _CLOSE)
+            self._add(found)
+            self.nearest[j] = found.T_part_camera[0]
+        return self._chosen_again((chosen, bound))
+
+    def _fewer(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+        idle = 0
+        while len(chosen) > max(self._least, 1) and idle < _ROUNDS and not self._late():
+            known = len(self.pool)
+            found = self._price(self._required)
+            if idle == 0:
+                self._merge(chosen)
+            if len(self.pool) == known and not found:
+                break
+            again = self._chosen_again((chosen, bound))
+            idle = 0 if len(again[0]) < len(chosen) else idle + 1
+            if not idle:
+                again = self._surer(*again)
+            chosen, bound = again
+        return chosen, bound
+
+    def _surer(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+        best = self._moved(chosen), bound
+        while len(best[0]) and not self._late():
+            weakest = best[0].weakest(self._required)
+            self._price(weakest + _RAISED * (1 - weakest))
+            again = self._chosen_again(best)
+            again = self._moved(again[0]), again[1]
+            if again[0].weakest(self._required) < weakest + _STEP:
+                return self._better(again, best)
+            best = again
+        return best
+
+    # --- their parts -------------------------------------------------------------------------------------------------
+
+    def _moved(self, chosen: SettingPool) -> SettingPool:
+        """Each setting where the weakest of what it measures is surest, again and again until little changes."""
+        while len(chosen) and not self._late():
+            weakest, sum_before = chosen.weakest(self._required), chosen.best().sum()
+            for k in range(len(chosen)):
+                best = chosen.best()
+                mine = np.flatnonzero((chosen.measured_from() == k) & (best >= self._required))
+                if not len(mine) or self._late():
+                    continue
+                others = np.delete(chosen.probability[:, mine], k, axis=0).max(axis=0, initial=0.0)
+                chosen = self._better((self._replaced(chosen, k, mine, partial(_weakest, others)), 0), (chosen, 0))[0]
+            if chosen.weakest(self._required) < weakest + _STEP and chosen.best().sum() < sum_before + _STEP:
+                break
+        self._add(chosen)
+        return chosen
+
+    def _replaced(self, chosen: SettingPool, k: int, mine: NDArray[np.int64], score: _Score) -> SettingPool:
+        """Setting k where it scores best, looked for from where it is and from the best others for what it measures."""
+        order = np.argsort(-score(self.pool.probability[:, mine]), kind="stable")[:_OTHERS]
+        starts = chosen.taken(np.array([k])).joined(self.pool.taken(order))
+        found = self._searched(starts, mine, score, _NEAR)
+        first = found.taken(score(found.probability[:, mine]).argsort()[-1:])
+        rows = np.arange(len(chosen))
+        others = chosen.taken(rows[rows != k]).joined(self._searched(first, mine, score, _CLOSE))
+        return others.taken(np.insert(rows[:-1], k, len(rows) - 1))
+
+    def _price(self, threshold: float) -> bool:
+        """Look for settings worth more than one; whether there was any."""
+        pool = self.pool.taken(self.pool.worthwhile(self._required))
+        reached = self.pool.reached(self._required)
+        if not len(reached):
+            return False
+        prices, _ = dimension_prices(pool.probability[:, reached] >= threshold)
+        worth = reached[prices > 0]
+        price = prices[prices > 0]
+
+        def score(p: NDArray[np.float64]) -> NDArray[np.float64]:
+            return _counted(p, threshold) @ price
+
+        found = self._look(worth.tolist(), score, _NEAR)
+        return bool(((found.probability[:, worth] >= threshold) @ price > 1 + _WORTH_MORE).any())
+
+    def _merge(self, chosen: SettingPool) -> None:
+        """Look for settings that take the place of two of the chosen ones, of those first that measure the least."""
+        owner, met = chosen.measured_from(), chosen.best() >= self._required
+        pairs = itertools.combinations(range(len(chosen)), 2)
+        of_both = [np.flatnonzero(met & np.isin(owner, pair)) for pair in pairs]
+        for both in sorted(of_both, key=len)[:_PAIRS]:
+            if self._late():
+                return
+            self._look(both.tolist(), lambda p: _counted(p, self._required).mean(axis=1), _NEAR)
+
+    def _look(self, dimensions: Sequence[int], score: _Score, *searches: PoseSearch) -> SettingPool:
+        """Search from the best settings at hand, one search after the other; what is found joins the pool."""
+        asked = np.array(dimensions, dtype=np.int64)
+        found = self.pool.taken(np.argsort(-score(self.pool.probability[:, asked]), kind="stable")[:_STARTS])
+        for search in searches:
+            found = self._searched(found, asked, score, search)
+        self._add(found)
+        return found
+
+    def _searched(
+        self, starts: SettingPool, dimensions: NDArray[np.int64], score: _Score, search: PoseSearch
+    ) -> SettingPool:
+        evaluator = self._evaluator_of(tuple(dimensions.tolist()))
+
+        def value(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+            values = np.full(len(poses), -np.inf)
+            allowed = np.flatnonzero(self._region.allowed(poses[:, :3, 3]))
+            if len(allowed):
+                values[allowed] = score(evaluator.probabilities(poses[allowed]))
+            return values
+
+        poses = starts.T_part_camera
+        ahead = self._middle[dimensions].mean(axis=0) - poses[:, :3, 3]
+        distance = np.linalg.norm(ahead, axis=1)
+        depth = np.einsum("ni,ni->n", ahead, poses[:, :3, 2])
+        poses, _ = search.best(poses, np.maximum(depth, 0.2 * distance), value, self._rng)
+        return SettingPool(poses, self._sure(poses))
+
+    def _sure(self, poses: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Probabilities of all dimensions; 0 where the small-error model does not answer for one."""
+        table = self._evaluator.table(poses)
+        return np.where(table.visible & (table.validity == 0), table.probability, 0.0)
+
+    def _evaluator_of(self, dimensions: tuple[int, ...]) -> Evaluator:
+        if dimensions not in self._of:
+            self._of[dimensions] = self._evaluator.of(dimensions)
+        return self._of[dimensions]
+
+    def _add(self, found: SettingPool) -> None:
+        """To the pool what no setting there makes needless."""
+        some = found.taken(np.flatnonzero((found.probability >= self._required).any(axis=1)))
+        joined = self.pool.joined(some)
+        kept = joined.worthwhile(self._required)
+        new = kept[kept >= len(self.pool)]
+        if len(new):
+            self.pool = self.pool.joined(joined.taken(new))
+
+    def _chosen_again(self, best: tuple[SettingPool, int]) -> tuple[SettingPool, int]:
+        cover = self.pool.surest_cover(self._required, max(0.0, self._deadline - time.monotonic()))
+        return self._better(cover, best)
+
+    def _better(self, a: tuple[SettingPool, int], b: tuple[SettingPool, int]) -> tuple[SettingPool, int]:
+        """The arrangement that meets more, with fewer settings, surer; of equal ones the latter."""
+        return a if self._rank(a[0]) > self._rank(b[0]) else b
+
+    def _rank(self, chosen: SettingPool) -> tuple[float, ...]:
+        best = chosen.best()
+        met = best >= self._required
+        return int(met.sum()), -len(chosen), chosen.weakest(self._required), float(best[met].sum())
+
+    def _late(self) -> bool:
+        return time.monotonic() >= self._deadline
+
+
+def _counted(probability: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
+    """1 where the threshold is reached, and below it less than a half, the more the nearer: it leads uphill."""
+    return np.where(probability >= threshold, 1.0, 0.5 * probability / threshold)
+
+
+def _weakest(otherwise: NDArray[np.float64], probability: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The least of each row, and by a little their mean, so that the others count where the least is the same."""
+    probability = np.maximum(probability, otherwise)
+    return np.asarray(probability.min(axis=1) + 1e-4 * probability.mean(axis=1))

@@ -1,0 +1,1 @@
+"""The allowed region: where the camera may stand."""

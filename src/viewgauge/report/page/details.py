@@ -1,0 +1,48 @@
+"""What a report shows beside the plan itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ...evaluation import GaugeFigures, GaugeLaws
+from ...evaluation.error_budget import ErrorBudget
+from ...planning.improve.improvement import Improvement
+from ..pictures.view_picture import SettingView
+
+__all__ = ["MOST_VIEWS", "PlanDetails"]
+
+MOST_VIEWS = 40
+
+
+@dataclass(frozen=True)
+class PlanDetails:
+    """Everything that follows from a plan; what is left out is not shown.
+
+    Parameters
+    ----------
+    budgets, figures, laws
+        Of dimensions, by id, as far as they have some.
+    views
+        Of settings.
+    improvement
+        What to improve with the settings as they stand.
+    most_views, most_laws
+        Of how many settings and dimensions, the least sure first, views and laws are shown.
+    """
+
+    budgets: Mapping[str, ErrorBudget] = field(default_factory=dict)
+    figures: Mapping[str, GaugeFigures] = field(default_factory=dict)
+    laws: Mapping[str, GaugeLaws] = field(default_factory=dict)
+    views: Sequence[SettingView] = ()
+    improvement: Improvement | None = None
+    most_views: int = MOST_VIEWS
+    most_laws: int = 300
+
+    def fewer(self) -> PlanDetails:
+        """With half as many views and laws, for a smaller report."""
+        return replace(
+            self,
+            most_views=min(self.most_views, len(self.views)) // 2,
+            most_laws=min(self.most_laws, len(self.laws)) // 2,
+        )

@@ -1,0 +1,78 @@
+"""What a reader takes away in ten seconds."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from ...planning.plan import Plan
+from ..wording import DASH, element, probability
+
+__all__ = ["summary_markup", "verdict"]
+
+NAMES_SHOWN = 6
+
+
+def verdict(plan: Plan) -> tuple[str, bool]:
+    """The outcome in one sentence, and whether it is good."""
+    count = Counter(dimension.status for dimension in plan.dimensions)
+    total = len(plan.dimensions)
+    if total == 0:
+        return "No dimension to measure", False
+    if plan.all_met:
+        return ("The dimension is met" if total == 1 else f"All {total} dimensions are met"), True
+    parts = []
+    if count["unmet"]:
+        parts.append(f"not met: {count['unmet']} of {total} dimensions")
+    if count["not_measurable"]:
+        parts.append(f"not measurable: {count['not_measurable']}" + ("" if parts else f" of {total} dimensions"))
+    text = ", ".join(parts)
+    return text[0].upper() + text[1:], False
+
+
+def _missing(plan: Plan) -> str:
+    """The names of what is missing, as many as fit."""
+    names = [dimension.id for dimension in plan.dimensions if dimension.status != "met"]
+    if not names:
+        return "as accurately and surely as required"
+    more = len(names) - NAMES_SHOWN
+    return "missing: " + ", ".join(names[:NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _optimality(plan: Plan) -> str:
+    if plan.count == 0:
+        return "no candidate meets any dimension"
+    if plan.proven_anywhere:
+        return "proven the fewest anywhere in the region"
+    known = "the candidates" if plan.refinement is None else "the settings known"
+    anywhere = "" if plan.anywhere is None else f"; anywhere at least {plan.anywhere.count}"
+    if plan.proven:
+        return f"proven the fewest among {known}{anywhere}"
+    return f"at least {plan.lower_bound} needed; gap {plan.gap:.0%}{anywhere}"
+
+
+def _unfinished(plan: Plan) -> str:
+    return "; interrupted: the best so far" if plan.interrupted else ""
+
+
+def _card(label: str, value: str, remark: str) -> str:
+    parts = (("div", label, "label"), ("div", value, "value"), ("div", remark, "remark"))
+    return element("div", markup="".join(element(tag, text, class_=kind) for tag, text, kind in parts), class_="card")
+
+
+def summary_markup(plan: Plan) -> str:
+    """The verdict and four figures: dimensions met, settings, weakest dimension, candidates."""
+    text, good = verdict(plan)
+    met = [dimension for dimension in plan.dimensions if dimension.status == "met"]
+    weakest = min(met, key=lambda dimension: dimension.probability, default=None)
+    cards = (
+        _card("Dimensions met", f"{len(met)} of {len(plan.dimensions)}", _missing(plan)),
+        _card("Camera settings", str(plan.count), _optimality(plan)),
+        _card("Least sure of those met", *_weakest(weakest.id, weakest.probability) if weakest else (DASH, "none met")),
+        _card("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
+    )
+    mark = element("p", ("✓ " if good else "✗ ") + text, class_=f"verdict {'good' if good else 'bad'}")
+    return mark + element("div", markup="".join(cards), class_="cards")
+
+
+def _weakest(name: str, value: float) -> tuple[str, str]:
+    return name, f"probability {probability(value)}"

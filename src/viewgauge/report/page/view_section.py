@@ -1,0 +1,32 @@
+"""The report's section with what the camera sees from each setting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..pictures.view_picture import SettingView, unseen_table, view_picture
+from ..wording import element
+
+__all__ = ["view_section"]
+
+
+def view_section(views: Sequence[SettingView], required: float, most: int) -> str:
+    """A simulated picture with its gauges for each of at most so many settings, and what cannot be measured there."""
+    if not views[:most]:
+        return ""
+    hint = (
+        "Simulated. Full lines are measured from here, broken ones could be; a diamond: less sure than required. "
+        "A line's pointer text has its probability."
+    )
+    if len(views) > most:
+        hint += f" The first {most} of {len(views)} settings are here."
+    cards = "".join(
+        element(
+            "article",
+            markup=element("h3", view.setting) + view_picture(view, required) + unseen_table(view.dimensions),
+            class_="shot",
+        )
+        for view in views[:most]
+    )
+    heading = element("h2", "What the camera sees", id="views") + element("p", hint, class_="hint")
+    return element("section", markup=heading + element("div", markup=cards, class_="shots"))

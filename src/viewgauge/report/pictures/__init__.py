@@ -1,0 +1,1 @@
+"""Pictures of the part: in three dimensions, and as the camera sees it."""

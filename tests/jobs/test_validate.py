@@ -1,0 +1,103 @@
+"""Rendered and measured looks against the law; and that a law which is wrong is found out."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viewgauge as vg
+from viewgauge.exceptions import InputError
+from viewgauge.jobs.images.validate import LEVELS, Coverage, describe_validation, write_validation
+from viewgauge.simulation.image_sensor import ImageSensor
+
+pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
+
+BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "inspection.yaml"
+STRAIGHT = ("E1", "E3", "E4", "E2", "E5", "E6", "E7", "E8", "E10", "E12")
+
+
+@pytest.fixture(scope="module")
+def inspection():
+    """The block's straight dimensions, with a camera of fewer pixels."""
+    inspection = vg.load(BLOCK)
+    camera = replace(inspection.camera, pixel_pitch_mm=(0.0069, 0.0069), resolution=(1224, 1024))
+    dimensions = tuple(d for d in inspection.part.dimensions if d.id in STRAIGHT)
+    return replace(inspection, camera=camera, part=replace(inspection.part, dimensions=dimensions))
+
+
+@pytest.fixture(scope="module")
+def found(inspection):
+    sensor = ImageSensor(blur_px=0.6, noise=0.006)
+    return vg.validate(inspection, sample=8, looks=15, sensor=sensor, edges=("sub-pixel", "whole-pixel"), seed=4)
+
+
+def test_the_law_holds_in_images(found):
+    """120 looks, one dimension of each: within the 99 % limits of a true law at each level. The seed is fixed.
+
+    Of whole pixels not at 68 %: from eight settings errors are those of few lengths, each with a fraction of its own.
+    """
+    for how, validation in found.items():
+        assert len(validation.drawn) > 100
+        levels = validation.coverage() if how == "sub-pixel" else validation.coverage()[1:]
+        assert all(coverage.holds for coverage in levels)
+
+
+def test_errors_are_as_large_as_predicted(found):
+    """Of each dimension that is seen often; a root mean square of 40 is off by 11 % (one sigma)."""
+    ratios = {d["id"]: d["rms_ratio"] for d in describe_validation(found)[0]["dimensions"] if d["looks"] >= 40}
+    assert len(ratios) >= 4
+    for name, ratio in ratios.items():
+        assert 0.55 < ratio < 1.45, name
+
+
+def test_a_law_that_is_wrong_is_found_out(found):
+    """The same errors against laws half and twice as wide."""
+    pairs = found["sub-pixel"].pairs
+    z = np.concatenate([pair.errors_px / pair.predicted_px for pair in pairs])
+    z = np.abs(z[np.isfinite(z)])
+    from scipy.stats import norm
+
+    for factor in (0.5, 2.0):
+        coverage = [Coverage.of(2 * norm.cdf(z / factor) - 1, level) for level in LEVELS]
+        assert not all(one.holds for one in coverage)
+
+
+def test_coverage_counts_and_its_limits():
+    """Exact limits of the binomial law of 1000 with 0.95: 931 to 967 hold at least 99 %."""
+    uniform = (np.arange(1000) + 0.5) / 1000
+    coverage = Coverage.of(uniform, 0.95)
+    assert (coverage.inside, coverage.looks, coverage.low, coverage.high) == (950, 1000, 931, 967)
+    assert coverage.holds
+    assert not Coverage.of(uniform**2, 0.95).holds
+    assert Coverage.of(np.zeros(0), 0.95).looks == 0
+
+
+def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, tmp_path):
+    sensor = ImageSensor(blur_px=0.6, noise=0.006)
+    ids = tuple(dict.fromkeys(pair.setting for pair in found["sub-pixel"].pairs))[:1]
+    again = vg.validate(inspection, sample=1, looks=15, sensor=sensor, seed=4)["sub-pixel"]
+    assert {pair.setting for pair in again.pairs} == set(ids)
+    first = {p.dimension: p.errors_px for p in found["sub-pixel"].pairs if p.setting == ids[0]}
+    for pair in again.pairs:
+        np.testing.assert_array_equal(pair.errors_px, first[pair.dimension])
+    write_validation(found, tmp_path / "pairs.csv")
+    with (tmp_path / "pairs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(one.pairs) for one in found.values())
+    assert float(rows[0]["predicted_px"]) == found["sub-pixel"].pairs[0].predicted_px
+    document = describe_validation(found)
+    assert [one["edges"] for one in document] == ["sub-pixel", "whole-pixel"]
+    assert document[0]["coverage"][1]["level"] == 0.95
+
+
+def test_bad_numbers_are_told(inspection):
+    with pytest.raises(InputError, match="looks"):
+        vg.validate(inspection, looks=0)
+    with pytest.raises(InputError, match="sample"):
+        vg.validate(inspection, sample=0)
+    with pytest.raises(InputError, match="sub-pixel or whole-pixel"):
+        vg.validate(inspection, edges=("fine",))
