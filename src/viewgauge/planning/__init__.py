@@ -2,7 +2,14 @@
 
 from .candidates.candidate_grid import CandidateGrid, default_distance_range, spread_directions
 from .candidates.candidate_options import CandidateOptions
-from .compose import Averaged, assigned_setting, choose_settings, compose_plan, not_measurable, without_allowed_error
+from .compose import (
+    Averaged,
+    assigned_setting,
+    choose_settings,
+    compose_plan,
+    planned_not_measurable,
+    without_allowed_error,
+)
 from .cover.dominance import Undominated, probability_levels
 from .cover.minimum_cover import Cover, minimum_cover, surest_minimum_cover
 from .cover.viewpoint_pool import SettingPool
@@ -28,7 +35,7 @@ __all__ = [
     "compose_plan",
     "default_distance_range",
     "minimum_cover",
-    "not_measurable",
+    "planned_not_measurable",
     "probability_levels",
     "spread_directions",
     "surest_minimum_cover",

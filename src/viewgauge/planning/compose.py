@@ -23,7 +23,7 @@ __all__ = [
     "assigned_setting",
     "choose_settings",
     "compose_plan",
-    "not_measurable",
+    "planned_not_measurable",
     "without_allowed_error",
 ]
 
@@ -152,7 +152,7 @@ def compose_plan(
         settings=tuple(
             PlannedSetting(name, T, tuple(seen)) for name, T, seen in zip(names, T_part_camera, observes, strict=True)
         ),
-        dimensions=(*planned, *not_measurable(unusable)),
+        dimensions=(*planned, *planned_not_measurable(unusable)),
         lower_bound=lower_bound,
         candidate_count=candidate_count,
         refinement=refinement,
@@ -200,7 +200,7 @@ def _planned(
     )
 
 
-def not_measurable(unusable: Sequence[Unusable]) -> list[PlannedDimension]:
+def planned_not_measurable(unusable: Sequence[Unusable]) -> list[PlannedDimension]:
     """The plan's entries for what cannot be measured, with the reason."""
     return [
         PlannedDimension(

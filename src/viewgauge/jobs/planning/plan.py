@@ -25,7 +25,7 @@ from ...execution.fingerprint import job_fingerprint
 from ...execution.progress import Progress, Silent
 from ...formats.files.journal import ChunkJournal
 from ...part import Dimension
-from ...planning import Plan, assigned_setting, not_measurable, without_allowed_error
+from ...planning import Plan, assigned_setting, planned_not_measurable, without_allowed_error
 from ...planning.cover.minimum_cover import DEFAULT_TIME_LIMIT_S
 from ...planning.inspection import Inspection
 from .candidate_search import CandidateSearch
@@ -106,7 +106,7 @@ def plan(
     dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
     unusable = (*inspection.part.unusable, *refused)
     if not dimensions:
-        return Plan(inspection.seed, (), tuple(not_measurable(unusable)), lower_bound=0, candidate_count=0)
+        return Plan(inspection.seed, (), tuple(planned_not_measurable(unusable)), lower_bound=0, candidate_count=0)
     threads = None if isinstance(executor, InProcess) else 1
     job = EvaluationJob.of(inspection, dimensions, _candidates(inspection, dimensions), threads=threads)
     chunks = chunks_of(job.source, settings_per_chunk)
