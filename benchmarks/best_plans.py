@@ -1,9 +1,10 @@
-"""How good plans are: greedy, the best of the candidates, refined, with bounds, each probability by the exact camera.
+"""How good plans are: greedy, the best of the candidates, refined, with bounds, each probability by the full camera
+model.
 
 Usage: python benchmarks/best_plans.py [FOLDER_OF_STEP_FILES] [--precision P] [--directions N]
 
 The slotted block, and with the folder of the NIST STEP files the five CTC parts, planned as their inspection files say.
-Prints Markdown. Exit code 1 if the exact camera contradicts a probability, or refining made a plan worse.
+Prints Markdown. Exit code 1 if the full camera model contradicts a probability, or refining made a plan worse.
 """
 
 from __future__ import annotations
@@ -33,31 +34,31 @@ class Row:
     """What was found of a part; ``weakest`` is the least probability of what is met."""
 
     part: str
-    dimensions: int
+    characteristics: int
     met: int
     greedy: tuple[int, float]
     sampled: tuple[int, float]
     same_count: float
     refined: tuple[int, int, float]
     anywhere: int
-    unmet: Sequence[str]
+    not_met: Sequence[str]
     contradicted: int
     difference: float
     seconds: tuple[float, float]
 
     @property
     def worse(self) -> bool:
-        """Refining cost settings or sureness, which it must not."""
+        """Refining cost viewpoints or sureness, which it must not."""
         return self.refined[0] > self.sampled[0] or self.same_count < self.sampled[1] - 1e-12
 
     @property
     def surer_at_last(self) -> bool:
-        """The weakest dimension of the refined plan is strictly surer, though the settings may be fewer."""
+        """The weakest characteristic of the refined plan is strictly surer, though the viewpoints may be fewer."""
         return self.refined[2] > self.sampled[1]
 
     @property
     def surer(self) -> bool:
-        """With as many settings the weakest dimension is strictly surer."""
+        """With as many viewpoints the weakest characteristic is strictly surer."""
         return self.same_count > self.sampled[1]
 
 
@@ -74,9 +75,9 @@ def parts(folder: Path | None) -> Iterator[tuple[str, vg.Inspection]]:
 
 def greedy(inspection: vg.Inspection) -> tuple[int, float]:
     """The textbook's cover: again and again the candidate that measures most of what is left, the first of equals."""
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    grid = candidate_grid(inspection, dimensions)
-    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, grid))
+    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    grid = candidate_grid(inspection, characteristics)
+    evaluator = evaluator_of(EvaluationJob.of(inspection, characteristics, grid))
     probability = evaluator.accepted(grid.poses(0, len(grid))).probability
     accepted = probability >= inspection.requirement.probability
     left, chosen = accepted.any(axis=0), []
@@ -88,15 +89,15 @@ def greedy(inspection: vg.Inspection) -> tuple[int, float]:
 
 
 def confirmed(inspection: vg.Inspection, plan: vg.Plan, precision: float) -> tuple[int, float]:
-    """How many probabilities of dimensions met the exact camera contradicts, and the largest difference."""
-    met = [d for d in plan.dimensions if d.status == "met" and not d.looks]
-    points = np.array([transform(invert(d.T_part_camera), d.gauge) for d in met])
-    tolerance = [d.allowed_error_mm / np.linalg.norm(np.diff(d.gauge, axis=0)) for d in met]
+    """How many probabilities of characteristics met the full camera model contradicts, and the largest difference."""
+    met = [d for d in plan.characteristics if d.status == "met" and not d.acquisitions]
+    points = np.array([transform(invert(d.T_part_camera), d.measurand) for d in met])
+    tolerance = [d.allowed_error_mm / np.linalg.norm(np.diff(d.measurand, axis=0)) for d in met]
     exact = estimate_success_probabilities(
         points[:, 0],
         points[:, 1],
         inspection.camera,
-        inspection.head,
+        inspection.pose_error,
         np.array(tolerance),
         precision=precision,
         confidence=CONFIDENCE,
@@ -117,17 +118,17 @@ def row(name: str, inspection: vg.Inspection, precision: float) -> Row:
     steps = {step.name: step for step in refined.refinement.steps}
     same = steps["surer"].weakest if steps["surer"].count == sampled.count else steps["sampled"].weakest
     contradicted, difference = confirmed(inspection, refined, precision)
-    unmet = [d for d in refined.dimensions if d.status == "unmet"]
+    not_met = [d for d in refined.characteristics if d.status == "not_met"]
     return Row(
         name,
-        sum(d.status != "not_measurable" for d in refined.dimensions),
-        sum(d.status == "met" for d in refined.dimensions),
+        sum(d.status != "not_measurable" for d in refined.characteristics),
+        sum(d.status == "met" for d in refined.characteristics),
         greedy(inspection),
         (sampled.count, weakest(sampled)),
         same,
         (refined.count, refined.lower_bound, weakest(refined)),
         refined.anywhere.count,
-        [f"{d.id}: {d.proof}" for d in unmet],
+        [f"{d.id}: {d.proof}" for d in not_met],
         contradicted,
         difference,
         seconds,
@@ -136,12 +137,12 @@ def row(name: str, inspection: vg.Inspection, precision: float) -> Row:
 
 def weakest(plan: vg.Plan) -> float:
     """Least probability of what is met."""
-    return min(d.probability for d in plan.dimensions if d.status == "met")
+    return min(d.probability for d in plan.characteristics if d.status == "met")
 
 
-HEAD = (
-    *("part", "dimensions met", "greedy", "weakest", "best of the candidates", "weakest", "surer, as many"),
-    *("refined", "bound", "anywhere", "gap", "weakest", "exact camera", "seconds"),
+POSE_ERROR = (
+    *("part", "characteristics met", "greedy", "weakest", "best of the candidates", "weakest", "surer, as many"),
+    *("refined", "bound", "anywhere", "gap", "weakest", "full camera model", "seconds"),
 )
 
 
@@ -149,7 +150,7 @@ def cells(of: Row) -> tuple[object, ...]:
     """A row of the table."""
     gap = (of.refined[0] - of.anywhere) / of.refined[0]
     return (
-        *(of.part, f"{of.met} of {of.dimensions}", of.greedy[0], f"{of.greedy[1]:.4f}"),
+        *(of.part, f"{of.met} of {of.characteristics}", of.greedy[0], f"{of.greedy[1]:.4f}"),
         *(of.sampled[0], f"{of.sampled[1]:.4f}", f"{of.same_count:.4f}"),
         *(of.refined[0], of.refined[1], of.anywhere, f"{gap:.0%}", f"{of.refined[2]:.4f}"),
         *(f"{of.difference:.0e}", f"{of.seconds[0]:.1f} + {of.seconds[1]:.1f}"),
@@ -160,12 +161,12 @@ def main() -> int:
     """Print the table, and what is proven of what is not met."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, nargs="?", help="the NIST STEP files")
-    parser.add_argument("--precision", type=float, default=3e-4, help="half-width of the exact camera's intervals")
+    parser.add_argument("--precision", type=float, default=3e-4, help="half-width of the full camera model's intervals")
     parser.add_argument("--directions", type=int, help="of the candidates, in place of the files'")
     given = parser.parse_args()
     rows = []
-    print("| " + " | ".join(HEAD) + " |")
-    print("|" + " --- |" * len(HEAD))
+    print("| " + " | ".join(POSE_ERROR) + " |")
+    print("|" + " --- |" * len(POSE_ERROR))
     for name, inspection in parts(given.folder):
         if given.directions:
             inspection = replace(inspection, candidates=replace(inspection.candidates, directions=given.directions))
@@ -173,16 +174,17 @@ def main() -> int:
         print("| " + " | ".join(str(cell) for cell in cells(rows[-1])) + " |", flush=True)
     print()
     for of in rows:
-        for unmet in of.unmet:
-            print(f"- {of.part}, {unmet}")
+        for not_met in of.not_met:
+            print(f"- {of.part}, {not_met}")
     surer, at_last = sum(of.surer for of in rows), sum(of.surer_at_last for of in rows)
     worse = sum(of.worse for of in rows)
     contradicted = sum(of.contradicted for of in rows)
     print(
-        f"\nWeakest dimension strictly surer: with as many settings {surer} of {len(rows)}, in the refined plan, which"
+        f"\nWeakest characteristic strictly surer: with as many viewpoints {surer} of {len(rows)}, in the "
+        "refined plan, which"
     )
     print(f"may have fewer, {at_last}; worse in number or, with as many, in sureness: {worse}.")
-    print(f"Probabilities of dimensions met that the exact camera contradicts: {contradicted}.")
+    print(f"Probabilities of characteristics met that the full camera model contradicts: {contradicted}.")
     return 1 if worse or contradicted else 0
 
 

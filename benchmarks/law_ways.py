@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs of a setting and a dimension: allowed error, normal and triangular parts, each ``(n,)``, pixels."""
+    """Pairs of a viewpoint and a characteristic: allowed error, normal and triangular parts, each ``(n,)``, pixels."""
 
     x: Array
     sigma: Array
@@ -109,7 +109,9 @@ def openturns_probability(pairs: Pairs) -> Array:
 
 
 def openturns_cdf(pairs: Pairs) -> Array:
-    """OpenTURNS at its best: by symmetry one look at the cdf. Its precision settings change neither time nor error."""
+    """OpenTURNS at its best: by symmetry one look at the cdf. Its precision viewpoints change neither time nor
+    error.
+    """
     return np.array([2 * _openturns_law(s, a, b).computeCDF(x) - 1 for x, s, a, b in pairs.rows()])
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import viewgauge as vg
 from viewgauge.geometry import VIEWS, view_block
-from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.planning import CandidateGrid
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "slotted_block" / "inspection.yaml"
@@ -24,7 +24,7 @@ Item = TypeVar("Item")
 
 @cache
 def inspection() -> vg.Inspection:
-    """The slotted block: 15 dimensions, 147 gauges."""
+    """The slotted block: 15 characteristics, 147 measurands."""
     return vg.load(EXAMPLE)
 
 
@@ -38,24 +38,25 @@ def with_candidates(count: int) -> vg.Inspection:
 
 
 @cache
-def gauges() -> GaugeTable:
-    """The example's gauges."""
-    return GaugeTable.of(inspection().part.dimensions)
+def measurands() -> MeasurandTable:
+    """The example's measurands."""
+    return MeasurandTable.of(inspection().part.characteristics)
 
 
 @cache
 def tolerances() -> NDArray[np.float64]:
-    """``(g,)``: relative tolerance of each gauge."""
+    """``(g,)``: relative tolerance of each measurand."""
     allowed = [
-        inspection().requirement.allowed_error_mm(d.nominal_mm, d.tolerance_mm) for d in inspection().part.dimensions
+        inspection().requirement.allowed_error_mm(d.nominal_mm, d.tolerance_mm)
+        for d in inspection().part.characteristics
     ]
-    return np.array(allowed, dtype=float)[gauges().dimension] / gauges().length_mm
+    return np.array(allowed, dtype=float)[measurands().characteristic] / measurands().length_mm
 
 
-def blocks(settings: int) -> list[NDArray[np.float64]]:
-    """Whole blocks of about this many candidate settings."""
-    i = with_candidates(settings)
-    grid = CandidateGrid(gauges().points, i.part.mesh, i.camera, i.candidates, i.seed)
+def blocks(viewpoints: int) -> list[NDArray[np.float64]]:
+    """Whole blocks of about this many candidate viewpoints."""
+    i = with_candidates(viewpoints)
+    grid = CandidateGrid(measurands().points, i.part.mesh, i.camera, i.candidates, i.seed)
     return [view_block(grid.poses(k, k + VIEWS)) for k in range(0, len(grid) - VIEWS + 1, VIEWS)]
 
 

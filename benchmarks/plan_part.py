@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/plan_part.py INSPECTION_FILE PART_FILE [CANDIDATES]
 
-CANDIDATES (default 2000) is the approximate number of candidate settings. Times are of one run, wall clock; memory is
+CANDIDATES (default 2000) is the approximate number of candidate viewpoints. Times are of one run, wall clock; memory is
 the largest resident set of this process (the child that reads STEP has its own, printed beside it).
 """
 
@@ -46,10 +46,13 @@ def main(inspection_file: str, part_file: str, candidates: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         vg.write_plan(plan, inspection, folder)
     watch.lap("write the plan and its report")
-    gauges = sum(len(d.gauges) for d in inspection.part.dimensions)
-    met = sum(d.status == "met" for d in plan.dimensions)
+    measurands = sum(len(d.measurands) for d in inspection.part.characteristics)
+    met = sum(d.status == "met" for d in plan.characteristics)
     print(f"{'in all':38s} {time.perf_counter() - watch.start:8.2f} s")
-    print(f"{len(inspection.part.dimensions)} dimensions, {gauges} gauges, {plan.count} settings, {met} met")
+    print(
+        f"{len(inspection.part.characteristics)} characteristics, {measurands} measurands, {plan.count} "
+        f"viewpoints, {met} met"
+    )
     for name, who in (("this process", resource.RUSAGE_SELF), ("STEP child", resource.RUSAGE_CHILDREN)):
         print(f"largest resident set, {name}: {resource.getrusage(who).ru_maxrss / 1024:.0f} MiB")
 

@@ -22,7 +22,7 @@ import viewgauge as vg
 from viewgauge.evaluation import image_segment
 from viewgauge.formats.poses.board_views_file import read_board_views
 from viewgauge.geometry import invert, transform
-from viewgauge.measurement import PoseSamples, characterize_head, small_sample_factor
+from viewgauge.measurement import PoseSamples, estimate_pose_error, small_sample_factor
 from viewgauge.measurement.pose.board import Intrinsics
 from viewgauge.measurement.pose.robot_calibration import BoardViews, RobotCalibration, folds_of
 
@@ -52,12 +52,12 @@ def predicted_and_measured(
     fx, fy = camera.matrix[0, 0], camera.matrix[1, 1]
     step = camera.rms_px * np.sqrt(12)  # an even error of this step has the corners' standard deviation
     pinhole = vg.Camera(1.0, (1 / fx, 1 / fy), views.resolution, edge_resolution_px=step)
-    head = vg.PoseError(covariance, T_camera_head=T_camera_flange)
+    pose_error = vg.PoseError(covariance, T_camera_frame=T_camera_flange)
     corners = transform(T_camera_board, views.points_mm[k])
     places = (camera.undistorted(views.places_px[k]) - camera.matrix[:2, 2]) / [fx, fy]
     pairs = np.array(list(itertools.combinations(range(len(corners)), 2)))
     start, end = corners[pairs[:, 0]], corners[pairs[:, 1]]
-    image = image_segment(start, end, pinhole, head)
+    image = image_segment(start, end, pinhole, pose_error)
     length = np.linalg.norm(end - start, axis=1)
     measured = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
     a, b = np.abs(np.cos(image.angle_rad)), np.abs(np.sin(image.angle_rad))
@@ -80,7 +80,7 @@ def study(folder: Path, folds: int, seed: int) -> tuple[Lengths, float, int]:
         camera, robot = training.calibrated(list(range(len(kept))), start=start)
         errors = training.held_out([[k] for k in range(len(kept))], start=start)
         noise = training.noise(camera, robot)
-        character = characterize_head(PoseSamples(errors, training.names, parameters=12, noise=noise))
+        character = estimate_pose_error(PoseSamples(errors, training.names, parameters=12, noise=noise))
         factors.append(small_sample_factor(character.degrees_of_freedom, PROBABILITY))
         results += [predicted_and_measured(views, k, camera, robot, character.covariance) for k in fold]
     names = ("length", "error", "sigma", "view")
@@ -111,12 +111,21 @@ def row(name: str, of: Lengths, factor: float) -> str:
 def report(folder: Path, folds: int, seed: int) -> list[str]:
     """Markdown of the study."""
     lengths, factor, views = study(folder, folds, seed)
-    head = ("length / mm", "lengths", "predicted rms / mm", "measured rms / mm", "ratio", "within 1 σ", "2 σ", "3 σ")
+    pose_error = (
+        "length / mm",
+        "lengths",
+        "predicted rms / mm",
+        "measured rms / mm",
+        "ratio",
+        "within 1 σ",
+        "2 σ",
+        "3 σ",
+    )
     lines = [
         f"{views} views, {folds} folds, {len(lengths.length)} lengths",
         "",
-        "| " + " | ".join(head) + " |",
-        "|" + " --- |" * len(head),
+        "| " + " | ".join(pose_error) + " |",
+        "|" + " --- |" * len(pose_error),
         "| of a normal law | | | | | 68.3% | 95.4% | 99.7% |",
     ]
     for low, high in itertools.pairwise(BINS):

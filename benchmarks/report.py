@@ -59,9 +59,9 @@ def machine() -> str:
     )
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
+def table(pose_error: list[str], rows: list[list[str]]) -> str:
     """A Markdown table, all columns but the first to the right."""
-    lines = ["| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1)]
+    lines = ["| " + " | ".join(pose_error) + " |", "|---|" + "---:|" * (len(pose_error) - 1)]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
@@ -86,8 +86,8 @@ def law(rows: list[Row]) -> str:
             more = (1e-4 / aim) ** 2
             name = f"… extrapolated to {aim:.0e}, as 1 / accuracy²"
             lines.append([name, rounded(1 / each / more), "-", "-", rounded(each * more / ours)])
-    head = ["P(\\|error\\| <= x)", "pairs a second", "largest error", "median error", "times as long"]
-    return "\n\n".join([table(head, lines), "### At hard angles", hard_angles()])
+    pose_error = ["P(\\|error\\| <= x)", "pairs a second", "largest error", "median error", "times as long"]
+    return "\n\n".join([table(pose_error, lines), "### At hard angles", hard_angles()])
 
 
 def hard_angles() -> str:
@@ -123,12 +123,12 @@ def rates(rows: list[Row]) -> str:
 def stages(rows: list[Row]) -> str:
     """Seconds of each stage of a job."""
     lines = [[row["name"], f"{row['seconds']:.3f}", f"{row['seconds'] / row['count'] * 1e6:.2f}"] for row in rows]
-    return table([f"{rows[0]['count']:,} candidates", "seconds", "µs a setting"], lines)
+    return table([f"{rows[0]['count']:,} candidates", "seconds", "µs a viewpoint"], lines)
 
 
 SECTIONS: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "law": ("The probability of one allowed error", law),
-    "kernel": ("From setting and gauge to probability", rates),
+    "kernel": ("From viewpoint and measurand to probability", rates),
     "visibility": ("Visibility", rates),
     "plan": ("The plan of the example, by stages", stages),
     "limits": ("What the machine can do", rates),

@@ -11,7 +11,7 @@ import pytest
 import part
 import viewgauge as vg
 from viewgauge.evaluation import Evaluator
-from viewgauge.planning import CandidateGrid, Undominated, choose_settings, probability_levels
+from viewgauge.planning import CandidateGrid, Undominated, choose_viewpoints, probability_levels
 
 pytestmark = pytest.mark.benchmark(group="plan")
 
@@ -20,8 +20,8 @@ pytestmark = pytest.mark.benchmark(group="plan")
 def test_stage(stage: str, tiny: bool, timed: Callable[..., None]) -> None:
     """Each stage on what the one before it gives."""
     i = part.with_candidates(1000 if tiny else 12_000)
-    grid = CandidateGrid(part.gauges().points, i.part.mesh, i.camera, i.candidates, i.seed)
-    evaluator = Evaluator(i.part.dimensions, i.part.mesh, i.camera, i.head, i.requirement, i.limits)
+    grid = CandidateGrid(part.measurands().points, i.part.mesh, i.camera, i.candidates, i.seed)
+    evaluator = Evaluator(i.part.characteristics, i.part.mesh, i.setup)
     poses = grid.poses(0, len(grid))
     accepted = evaluator.accepted(poses)
     level = probability_levels(accepted.probability, i.requirement.probability)
@@ -41,10 +41,10 @@ def test_stage(stage: str, tiny: bool, timed: Callable[..., None]) -> None:
         "poses": ("sampling poses", lambda: grid.poses(0, len(grid))),
         "accepted": ("evaluating what is accepted", lambda: evaluator.accepted(poses)),
         "table": ("evaluating the whole table (evaluate)", lambda: evaluator.table(poses)),
-        "dominance": (f"removing dominated settings ({len(kept)} stay)", dominance),
-        "cover": ("choosing the fewest and surest", lambda: choose_settings(kept)),
+        "dominance": (f"removing dominated viewpoints ({len(kept)} stay)", dominance),
+        "cover": ("choosing the fewest and most probable", lambda: choose_viewpoints(kept)),
         "plan": ("the plan, all of the above but the table; refined and bounded", lambda: vg.plan(i)),
         "report": ("writing plan and report", report),
     }
     name, call = calls[stage]
-    timed(call, count=len(grid), unit="settings", rounds=5, name=name)
+    timed(call, count=len(grid), unit="viewpoints", rounds=5, name=name)

@@ -18,10 +18,10 @@ pytestmark = pytest.mark.benchmark(group="visibility")
 def test_culling(threads: int, tiny: bool, timed: Callable[..., None]) -> None:
     """All conditions but occlusion."""
     i = part.inspection()
-    culling, views = Culling(part.gauges(), i.camera, i.limits), part.blocks(600 if tiny else 30_000)
+    culling, views = Culling(part.measurands(), i.camera, i.limits), part.blocks(600 if tiny else 30_000)
     timed(
         part.on_threads(threads, lambda block: culling.reasons(block, VIEWS), views),
-        count=len(views) * len(part.gauges()) * VIEWS,
+        count=len(views) * len(part.measurands()) * VIEWS,
         unit="pairs",
         rounds=15,
         name=f"culling, {threads} thread{'s' * (threads > 1)}",
@@ -31,20 +31,20 @@ def test_culling(threads: int, tiny: bool, timed: Callable[..., None]) -> None:
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("way", ["ours", "embree"])
 def test_rays(way: str, threads: int, tiny: bool, timed: Callable[..., None]) -> None:
-    """Rays from the gauges that pass the other conditions."""
+    """Rays from the measurands that pass the other conditions."""
     i = part.inspection()
     occluder = Occluder(i.part.mesh)
-    culling, lines = Culling(part.gauges(), i.camera, i.limits), SightLines(part.gauges(), occluder)
+    culling, lines = Culling(part.measurands(), i.camera, i.limits), SightLines(part.measurands(), occluder)
     work = []
     for block in part.blocks(600 if tiny else 30_000):
-        gauge, setting = np.nonzero(culling.reasons(block, VIEWS) == VISIBLE)
-        work.append((block, setting.astype(np.int64), gauge.astype(np.int64)))
+        measurand, viewpoint = np.nonzero(culling.reasons(block, VIEWS) == VISIBLE)
+        work.append((block, viewpoint.astype(np.int64), measurand.astype(np.int64)))
     sets = [rays for one in work for rays in _rays_of(lines, *one)]
     if way == "ours":
         call = part.on_threads(threads, lambda one: lines.hidden(*one), work)
     else:
         call = part.on_threads(threads, lambda rays: occluder.blocked(*rays), sets)
-    name = "rays of gauges" if way == "ours" else "Embree alone, the same rays, made before"
+    name = "rays of measurands" if way == "ours" else "Embree alone, the same rays, made before"
     count = sum(len(rays[2]) for rays in sets)
     timed(call, count=count, unit="rays", rounds=9, name=f"{name}, {threads} thread{'s' * (threads > 1)}")
 

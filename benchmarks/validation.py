@@ -1,14 +1,16 @@
-"""Are the predictions true of images? The example's dimensions, the paper's five settings, and where the model ends.
+"""Are the predictions true of images? The example's characteristics, the paper's five viewpoints, and where the model
+ends.
 
-Usage: python benchmarks/validation.py FOLDER [--looks N] [--settings N] [--part images|quantization|paper|robot]
+Usage: python benchmarks/validation.py FOLDER [--repeats N] [--viewpoints N] [--part
+images|quantization|paper|robot]
 
-N looks of each of the settings in the first run, a third as many in the others (100 and 20 by default). Writes Markdown
-and pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study that was
-stopped goes on.
+N images of each of the viewpoints in the first run, a third as many in the others (100 and 20 by default). Writes
+Markdown and pictures into FOLDER; without ``--part`` all parts. What is there of a part's runs is kept: a study that
+was stopped goes on.
 
-images: displaced looks of the slotted block, rendered and measured, against the law, for noise, pixels and edges;
-quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge maps
-of the reconstructed five-setting experiment (the paper's Fig. 7); robot: real images (``real_robot.py``).
+images: displaced acquisitions of the slotted block, rendered and measured, against the law, for noise, pixels and
+edges; quantization: where whole pixels are not the uniform errors that the model takes them for; paper: images and edge
+maps of the reconstructed five-viewpoint experiment (the paper's Fig. 7); robot: real images (``real_robot.py``).
 """
 
 from __future__ import annotations
@@ -31,9 +33,9 @@ import viewgauge as vg
 from viewgauge.geometry import invert, transform
 from viewgauge.jobs.images.validate import describe_validation
 from viewgauge.measurement.image.edges import EdgeFinder
-from viewgauge.measurement.image.expected_edges import ExpectedGauge
+from viewgauge.measurement.image.expected_edges import ExpectedMeasurand
 from viewgauge.measurement.image.image_pose import find_guide
-from viewgauge.measurement.image.measurand_image import gauge_windows, measure_gauge
+from viewgauge.measurement.image.measurand_image import measurand_windows, measure_in_image
 from viewgauge.sensors import Window
 from viewgauge.simulation import Estimate
 from viewgauge.simulation.displaced_poses import displaced_poses
@@ -50,12 +52,12 @@ RUNS: dict[str, dict[str, Any]] = {
 }
 
 
-def images(folder: Path, settings: int, looks: int) -> list[str]:
+def images(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:
     """Part images: Markdown."""
     inspection = vg.load(BLOCK, chord_error_mm=CHORD_ERROR_MM)
     documents = {}
     for number, (name, run) in enumerate(RUNS.items()):
-        kept = folder / f"images_{number}_{settings}_{looks}.json"
+        kept = folder / f"images_{number}_{viewpoints}_{acquisitions}.json"
         if not kept.exists():
             camera = inspection.camera
             pitch, (columns, rows) = run.get("pixels", 1) * camera.pixel_pitch_mm[0], camera.resolution
@@ -65,8 +67,8 @@ def images(folder: Path, settings: int, looks: int) -> list[str]:
             with vg.open_executor(workers=2) as executor:
                 found = vg.validate(
                     mine,
-                    sample=settings,
-                    looks=max(round(run.get("share", 1) * looks), 1),
+                    sample=viewpoints,
+                    repeats=max(round(run.get("share", 1) * acquisitions), 1),
                     sensor=sensor,
                     edges=("sub-pixel", "whole-pixel"),
                     seed=inspection.seed + number,
@@ -74,44 +76,46 @@ def images(folder: Path, settings: int, looks: int) -> list[str]:
                 )
             kept.write_text(json.dumps(describe_validation(found)))
         documents[name] = json.loads(kept.read_text())
-    return [*_pooled(documents), "", *_by_dimension(documents)]
+    return [*_pooled(documents), "", *_by_characteristic(documents)]
 
 
 def _pooled(documents: dict[str, list[dict[str, Any]]]) -> list[str]:
     lines = [
-        "| images | edges | looks | inside 68 % | 95 % | 99 % |",
+        "| images | edges | acquisitions | inside 68 % | 95 % | 99 % |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
     for name, found in documents.items():
         for one in found:
             shares = []
             for c in one["coverage"]:
-                n = c["looks"]
+                n = c["acquisitions"]
                 limits = f"{100 * c['low'] / n:.1f} to {100 * c['high'] / n:.1f}"
                 share = f"{100 * c['inside'] / n:.1f}"
                 shares.append(f"{share if c['holds'] else f'**{share}**'} ({limits})")
-            lines.append(f"| {name} | {one['edges']} | {one['coverage'][0]['looks']} | " + " | ".join(shares) + " |")
+            lines.append(
+                f"| {name} | {one['edges']} | {one['coverage'][0]['acquisitions']} | " + " | ".join(shares) + " |"
+            )
     return lines
 
 
-def _by_dimension(documents: dict[str, list[dict[str, Any]]]) -> list[str]:
-    names = sorted({d["id"] for found in documents.values() for d in found[0]["dimensions"]}, key=_order)
+def _by_characteristic(documents: dict[str, list[dict[str, Any]]]) -> list[str]:
+    names = sorted({d["id"] for found in documents.values() for d in found[0]["characteristics"]}, key=_order)
     lines = [
-        "| dimension | " + " | ".join(documents) + " |",
+        "| characteristic | " + " | ".join(documents) + " |",
         "| --- |" + " --- |" * len(documents),
     ]
     for name in names:
         cells = []
         for found in documents.values():
-            row = next((d for d in found[0]["dimensions"] if d["id"] == name), None)
+            row = next((d for d in found[0]["characteristics"] if d["id"] == name), None)
             if row is None or row["rms_ratio"] is None:
                 cells.append("not seen")
                 continue
-            shares = (100 * c["inside"] / max(c["looks"], 1) for c in row["coverage"])
-            told = " / ".join(
+            shares = (100 * c["inside"] / max(c["acquisitions"], 1) for c in row["coverage"])
+            reported = " / ".join(
                 f"{s:.1f}{'' if c['holds'] else '*'}" for s, c in zip(shares, row["coverage"], strict=True)
             )
-            cells.append(f"{row['rms_ratio']:.2f}; {told} ({row['looks']})")
+            cells.append(f"{row['rms_ratio']:.2f}; {reported} ({row['acquisitions']})")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return lines
 
@@ -121,19 +125,19 @@ def _order(name: str) -> tuple[int, str]:
     return int(digits or 0), name
 
 
-def quantization(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
+def quantization(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:  # noqa: ARG001 - as all parts
     """Part quantization: two pictures and a table."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
     lines = ["| the ends move apart by | spread, least and most over lengths | by the formula |", "| --- | --- | --- |"]
     fractions = np.linspace(0, 1, 41)
     for sigma in (0.0, 0.1, 0.2, 0.3, 0.5):
         ratios = np.array([spread_of_rounding(f, sigma) for f in fractions]) / np.sqrt(1 / 6)
-        told = f"{sigma:g} px"
-        (curve,) = left.plot(fractions, ratios, "o", markersize=3, label=told)
+        reported = f"{sigma:g} px"
+        (curve,) = left.plot(fractions, ratios, "o", markersize=3, label=reported)
         formula = np.sqrt(np.maximum(rounding_variance(fractions, sigma), 0) * 6)
         left.plot(fractions, formula, color=curve.get_color(), linewidth=1)
         lines.append(
-            f"| {told} | {ratios.min():.2f} to {ratios.max():.2f} | {formula.min():.2f} to {formula.max():.2f} |"
+            f"| {reported} | {ratios.min():.2f} to {ratios.max():.2f} | {formula.min():.2f} to {formula.max():.2f} |"
         )
     left.axhline(1, color="black", linewidth=0.8, linestyle=":")
     left.set(xlabel="fraction of a pixel in the length", ylabel="spread / that of the uniform model", ylim=(0, 1.3))
@@ -188,24 +192,24 @@ def edge_error(angle_deg: float, phases: int = 64) -> float:
     return float(np.sqrt(np.mean(np.square(found))))
 
 
-def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
-    """Part paper: images and edge maps like Fig. 7, and Pr{accuracy >= 99 %} counted in displaced looks."""
+def paper(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:  # noqa: ARG001 - as all parts
+    """Part paper: images and edge maps like Fig. 7, and Pr{accuracy >= 99 %} counted in displaced acquisitions."""
     import cv2
 
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples" / "paper"))
-    from five_settings import RECONSTRUCTION, RELATIVE_TOLERANCE
+    from five_viewpoints import RECONSTRUCTION, RELATIVE_TOLERANCE
 
-    experiment, n = RECONSTRUCTION, 10 * looks
-    camera, head, sensor = experiment.camera, experiment.pose_error, ImageSensor(blur_px=0.6, noise=0.01)
+    experiment, n = RECONSTRUCTION, 10 * acquisitions
+    camera, pose_error, sensor = experiment.camera, experiment.pose_error, ImageSensor(blur_px=0.6, noise=0.01)
     figure, axes = plt.subplots(2, 5, figsize=(13, 4.2), layout="constrained")
     lines = [
-        "| setting | paper | independent | joint | ends rounded | counted in images | 99 % interval | measured |",
+        "| viewpoint | paper | independent | joint | ends rounded | counted in images | 99 % interval | measured |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     models = [experiment.probability(model) for model in ("independent", "joint")]
     T = np.eye(4)  # the part stands in the camera's frame
-    for k, (setting, ends) in enumerate(zip(experiment.settings, experiment.ends(), strict=True)):
-        vertices, triangles, gauges = block_of_edge(ends)
+    for k, (viewpoint, ends) in enumerate(zip(experiment.viewpoints, experiment.ends(), strict=True)):
+        vertices, triangles, measurands = block_of_edge(ends)
         renderer = Renderer(vertices, triangles)
         whole = [Window.whole(camera)]
         grey = partial_image(renderer, sensor, T, camera, whole, np.random.default_rng(k))
@@ -217,34 +221,34 @@ def paper(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001
             axes[row, k].imshow(picture, cmap="gray", vmin=0, vmax=255, interpolation="none")
             axes[row, k].set(xticks=[], yticks=[], xlim=(u - 100, u + 100), ylim=(v + 75, v - 75))
         axes[0, k].plot(*places.T, color="#e69f00", linewidth=1)
-        axes[0, k].set_title(f"{setting.name}: E2 {np.linalg.norm(places[1] - places[0]):.0f} px", fontsize=9)
-        windows = [window for gauge in gauges for window in gauge_windows(gauge, T, camera, head)]
+        axes[0, k].set_title(f"{viewpoint.name}: E2 {np.linalg.norm(places[1] - places[0]):.0f} px", fontsize=9)
+        windows = [window for measurand in measurands for window in measurand_windows(measurand, T, camera, pose_error)]
         errors = []
-        for look, pose in enumerate(displaced_poses(T, head, n, np.random.default_rng([1998, k]))):
-            rng = np.random.default_rng([1998, k, look])
+        for acquisition, pose in enumerate(displaced_poses(T, pose_error, n, np.random.default_rng([1998, k]))):
+            rng = np.random.default_rng([1998, k, acquisition])
             image = partial_image(renderer, sensor, pose, camera, windows, rng) / 255
             finder = EdgeFinder(image, 0.0101, windows)
-            guide = find_guide(finder, gauges, T, camera, head)
+            guide = find_guide(finder, measurands, T, camera, pose_error)
             if guide is not None:
-                seen = measure_gauge(finder, image, gauges[0], T, camera, guide)
+                seen = measure_in_image(finder, image, measurands[0], T, camera, guide)
                 found = seen.length_mm(camera, whole_pixels=True)
                 if found is not None:
                     errors.append(found / seen.nominal_mm - 1)
-        moved = transform(invert(displaced_poses(T, head, 200_000, np.random.default_rng(k)))[:, None], ends)
+        moved = transform(invert(displaced_poses(T, pose_error, 200_000, np.random.default_rng(k)))[:, None], ends)
         corners = np.floor(camera.to_pixels(camera.project(moved)))
         length = np.linalg.norm(places[1] - places[0])
         rounded = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) / length - 1
         inside = int((np.abs(errors) <= RELATIVE_TOLERANCE).sum())
         counted = Estimate.of(inside, len(errors), 0.99)
-        cells = [f"{setting.printed_probability:.2f}", *(f"{model[k]:.3f}" for model in models)]
+        cells = [f"{viewpoint.printed_probability:.2f}", *(f"{model[k]:.3f}" for model in models)]
         cells += [f"{(np.abs(rounded) <= RELATIVE_TOLERANCE).mean():.3f}", f"{counted.probability:.3f}"]
         cells += [f"{counted.low:.3f} to {counted.high:.3f}", f"{len(errors)} of {n}"]
-        lines.append(f"| {setting.name} | " + " | ".join(cells) + " |")
+        lines.append(f"| {viewpoint.name} | " + " | ".join(cells) + " |")
     figure.savefig(folder / "paper_figure_7.png", dpi=110)
     return lines
 
 
-def robot(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001 - as all parts
+def robot(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:  # noqa: ARG001 - as all parts
     """Part robot: lengths on a board that a real robot carries, in views that nothing was fitted to."""
     from real_robot import report
 
@@ -252,7 +256,7 @@ def robot(folder: Path, settings: int, looks: int) -> list[str]:  # noqa: ARG001
     return report(data, 10, 0) if data.is_dir() else [f"left out: {data} is not there"]
 
 
-def block_of_edge(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[ExpectedGauge]]:
+def block_of_edge(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[ExpectedMeasurand]]:
     """A block of which E2 is the edge that is turned to the camera, and its edges along E2, E2 first; camera frame."""
     middle, along = ends.mean(axis=0), ends[1] - ends[0]
     length = np.linalg.norm(along)
@@ -272,14 +276,14 @@ def block_of_edge(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[Expect
     triangles[outward < 0] = triangles[outward < 0][:, ::-1]
     sides = [(-first, -second), (first, -second), (-first, second)]
     starts = [corners[0], corners[1], corners[3]]
-    gauges = [
-        ExpectedGauge(
+    measurands = [
+        ExpectedMeasurand(
             np.stack([start, start + length * along]),
             (np.stack([*normals, -along]), np.stack([*normals, along])),
         )
         for start, normals in zip(starts, sides, strict=True)
     ]
-    return corners, triangles, gauges
+    return corners, triangles, measurands
 
 
 PARTS: dict[str, Callable[[Path, int, int], list[str]]] = {
@@ -294,14 +298,14 @@ def main() -> int:
     """Run the parts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--looks", type=int, default=100)
-    parser.add_argument("--settings", type=int, default=20)
+    parser.add_argument("--repeats", type=int, default=100)
+    parser.add_argument("--viewpoints", type=int, default=20)
     parser.add_argument("--part", choices=list(PARTS))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     for name, part in PARTS.items():
         if given.part in (None, name):
-            lines = part(given.folder, given.settings, given.looks)
+            lines = part(given.folder, given.viewpoints, given.acquisitions)
             (given.folder / f"{name}.md").write_text("\n".join(lines) + "\n")
             print("\n".join([f"## {name}", "", *lines, ""]))
     return 0

@@ -1,9 +1,10 @@
-"""How far the joint model is from the exact camera over random set-ups, and which of them are flagged.
+"""How far the joint model is from the full camera model over random set-ups, and which of them are flagged.
 
 Usage: python benchmarks/validity_sweep.py [--count N] [--seed S]
 
-Prints docs/paper/validity.md. The reference is the exact camera by randomised quasi-Monte Carlo, to 1e-3 at first and
-to 1.5e-4 where that does not decide; "bad" is an error above 1e-3 by more than the half-width of the 99.9 % interval.
+Prints docs/paper/validity.md. The reference is the full camera model by randomised quasi-Monte Carlo, to 1e-3 at first
+and to 1.5e-4 where that does not decide; "bad" is an error above 1e-3 by more than the half-width of the 99.9 %
+interval.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ STRATA = ("ordinary", "wide", "harsh", "absurd")
 LIMIT = 1e-3
 CONFIDENCE = 0.999
 
-HEAD = """# Validity of the small-error model
+POSE_ERROR = """# Validity of the small-error model
 
-The joint model is of first order in the pose error. `viewgauge.evaluation.validity` names the pairs of setting and
-dimension for which that may be wrong by more than 1e-3 in probability; here it is judged over random set-ups, with
-the exact camera by randomised quasi-Monte Carlo as the reference. *Bad*: wrong by more than 1e-3, *good*: right
+The joint model is of first order in the pose error. `viewgauge.evaluation.validity` names the pairs of viewpoint and
+characteristic for which that may be wrong by more than 1e-3 in probability; here it is judged over random set-ups, with
+the full camera model by randomised quasi-Monte Carlo as the reference. *Bad*: wrong by more than 1e-3, *good*: right
 within 1e-3, either beyond the reference's 99.9 % interval (to 1.5e-4 where needed); *undecided*: neither.
 
 - ordinary: up to 2 mrad and 0.1 % of the distance, up to 23 degrees off axis, images longer than 30 px;
@@ -36,14 +37,14 @@ within 1e-3, either beyond the reference's 99.9 % interval (to 1.5e-4 where need
 - absurd: up to 0.3 rad and 30 %, images of 1 px on, segments along the line of sight, tolerances of a thousandth to a
   hundred standard deviations, pivots at twice the distance.
 
-Half of all covariances are full. Locators resolve 1, 0.1, 0.02 or 0 px. The thresholds were set on the seeds 1 and 2
-(500 set-ups a stratum each); below are {count} a stratum of seed {seed}, printed by
+Half of all covariances are full. Edge detectors resolve 1, 0.1, 0.02 or 0 px. The thresholds were set on the seeds 1
+and 2 (500 set-ups a stratum each); below are {count} a stratum of seed {seed}, printed by
 `python benchmarks/validity_sweep.py --count {count} --seed {seed}`.
 """
 
 
 @dataclass(frozen=True)
-class SetUp:
+class Rig:
     """A segment before a camera: points mm, camera frame; T relative."""
 
     stratum: str
@@ -76,7 +77,7 @@ class Judged:
         return abs(self.joint - self.exact) + self.half_width <= LIMIT
 
 
-def draw(stratum: str, rng: np.random.Generator) -> SetUp:
+def draw(stratum: str, rng: np.random.Generator) -> Rig:
     """A random set-up; "ordinary" and "wide" as in practice, "harsh" at its edge, "absurd" far beyond."""
     absurd = stratum == "absurd"
     largest_angle, largest_shift = {"ordinary": (2e-3, 1e-3), "wide": (2e-3, 2e-3), "harsh": (2e-2, 3e-2)}.get(
@@ -104,7 +105,7 @@ def draw(stratum: str, rng: np.random.Generator) -> SetUp:
         length_px = np.linalg.norm(np.diff(camera.project([start, end]), axis=0)) / pitch
         if min(start[2], end[2]) > 0.05 * distance and length_px > (0.5 if absurd else 30):
             break
-    return SetUp(
+    return Rig(
         stratum,
         start,
         end,
@@ -139,8 +140,8 @@ def _error_and_tolerance(stratum, start, end, camera, largest_angle, largest_shi
     return error, deviation * rng.uniform(0.1, 4.5)
 
 
-def judge(setup: SetUp, seed: int) -> Judged:
-    """Joint model, exact camera and warning of a set-up."""
+def judge(setup: Rig, seed: int) -> Judged:
+    """Joint model, full camera model and warning of a set-up."""
     given = (setup.start, setup.end, setup.camera, setup.error, setup.tolerance)
     joint = float(success_probability(*given))
     for precision in (1e-3, 4e-4, 1.5e-4):
@@ -184,7 +185,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=3)
     arguments = parser.parse_args()
     judged = sweep(arguments.count, arguments.seed)
-    print(HEAD.format(count=arguments.count, seed=arguments.seed))
+    print(POSE_ERROR.format(count=arguments.count, seed=arguments.seed))
     print(report(judged))
 
 

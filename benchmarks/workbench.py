@@ -86,17 +86,17 @@ def main() -> None:
         for file in map(Path, sys.argv[1:]):
             inspection = vg.load(file)
             plan = vg.plan(inspection, prove=False)
-            print(f"{inspection.name}: {len(inspection.part.dimensions)} dimensions, {plan.count} settings")
+            print(f"{inspection.name}: {len(inspection.part.characteristics)} characteristics, {plan.count} viewpoints")
             print(row("  computed", computed_ms(WhatIf(inspection, plan))))
-            bench = open_workbench(file, inspection, plan, port=0)
+            workbench = open_workbench(file, inspection, plan, port=0)
             page = browser.new_page(viewport={"width": 1400, "height": 900})
-            page.goto(bench.address)
-            page.locator(".verdict").wait_for()
+            page.goto(workbench.address)
+            page.edge_detector(".verdict").wait_for()
             page.wait_for_timeout(5000)
             page.evaluate("for (const b of document.querySelectorAll('.mantine-Notification-closeButton')) b.click()")
             print(row("  seen", seen_ms(page)))
             page.close()
-            bench.close()
+            workbench.close()
         browser.close()
 
 

@@ -36,7 +36,7 @@ def save(content: bytes, name: str) -> None:
 
 
 def shoot_report(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> None:
-    """The upper part of the report, and a dimension's laws."""
+    """The upper part of the report, and a characteristic's laws."""
     with tempfile.TemporaryDirectory() as folder:
         vg.write_plan(plan, inspection, folder)
         page = browser.new_page(viewport={"width": 1320, "height": 860})
@@ -44,8 +44,8 @@ def shoot_report(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> 
         page.wait_for_timeout(3000)
         save(page.screenshot(), "slotted_block_report.png")
         page.set_viewport_size({"width": 1320, "height": 620})
-        page.locator("details.law").nth(0).locator("summary").click()
-        page.locator("#views").scroll_into_view_if_needed()
+        page.edge_detector("details.law").nth(0).edge_detector("summary").click()
+        page.edge_detector("#views").scroll_into_view_if_needed()
         page.evaluate("document.getElementById('views').scrollIntoView()")
         page.set_viewport_size({"width": 1320, "height": 1180})
         page.wait_for_timeout(1500)
@@ -56,25 +56,25 @@ def shoot_report(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> 
 @contextmanager
 def visited(browser: Browser, path: Path, inspection: vg.Inspection, plan: vg.Plan, height: int) -> Iterator[Page]:
     """The page of a workbench, settled and without notifications."""
-    bench = open_workbench(path, inspection, plan, port=0)
+    workbench = open_workbench(path, inspection, plan, port=0)
     page = browser.new_page(viewport={"width": 1500, "height": height})
     try:
-        page.goto(bench.address)
-        page.locator(".verdict").wait_for()
+        page.goto(workbench.address)
+        page.edge_detector(".verdict").wait_for()
         page.wait_for_timeout(4000)
         page.evaluate("for (const b of document.querySelectorAll('.mantine-Notification-closeButton')) b.click()")
         page.wait_for_timeout(1000)
         yield page
     finally:
         page.close()
-        bench.close()
+        workbench.close()
 
 
 def folder(page: Page, name: str, *, opened: bool = True) -> None:
     """Open or close a folder of controls."""
-    head = page.get_by_role("button", name=name, exact=True)
-    if head.get_attribute("aria-expanded") != str(opened).lower():
-        head.click()
+    pose_error = page.get_by_role("button", name=name, exact=True)
+    if pose_error.get_attribute("aria-expanded") != str(opened).lower():
+        pose_error.click()
         page.wait_for_timeout(500)
 
 
@@ -95,20 +95,20 @@ def shoot_block(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> N
     """The block: as planned, and with a worse head, dark, from all directions."""
     with visited(browser, BLOCK, inspection, plan, 940) as page:
         folder(page, "Show")
-        page.get_by_label("Names of the dimensions").check()
+        page.get_by_label("Names of the characteristics").check()
         page.get_by_role("button", name="the part").click()
         folder(page, "Show", opened=False)
-        page.get_by_role("tab", name="Dimension", exact=True).click()
-        choose(page, "Dimension", "E7")
+        page.get_by_role("tab", name="Characteristic", exact=True).click()
+        choose(page, "Characteristic", "E7")
         page.wait_for_timeout(3000)
         save(page.screenshot(), "workbench.png")
         turn(page, "Head: translation / mm", "0.13")
         folder(page, "What if …", opened=False)
         folder(page, "Show")
         page.get_by_role("button", name="all", exact=True).click()
-        for switch in ("Directions of the chosen dimension", "Dark page"):
+        for switch in ("Directions of the chosen characteristic", "Dark page"):
             page.get_by_label(switch).check()
-        page.get_by_label("Names of the dimensions").uncheck()
+        page.get_by_label("Names of the characteristics").uncheck()
         page.mouse.move(1250, 700)
         page.mouse.wheel(0, 1500)
         page.wait_for_timeout(4000)
@@ -116,7 +116,7 @@ def shoot_block(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> N
 
 
 def shoot_ctc_02(browser: Browser, steps: Path) -> None:
-    """NIST's CTC-02 with what one of its settings sees."""
+    """NIST's CTC-02 with what one of its viewpoints sees."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / "inspection.yaml"
         shutil.copyfile(ROOT / "examples" / "nist" / "ctc_02.yaml", path)
@@ -128,9 +128,9 @@ def shoot_ctc_02(browser: Browser, steps: Path) -> None:
             page.get_by_label("See through the part").check()
             page.get_by_role("button", name="the part").click()
             folder(page, "Show", opened=False)
-            page.get_by_role("tab", name="Dimension", exact=True).click()
-            choose(page, "Dimension", "Linear Size.3")
-            page.get_by_role("tab", name="Setting", exact=True).click()
+            page.get_by_role("tab", name="Characteristic", exact=True).click()
+            choose(page, "Characteristic", "Linear Size.3")
+            page.get_by_role("tab", name="Viewpoint", exact=True).click()
             page.wait_for_timeout(3000)
             save(page.screenshot(), "workbench_ctc_02.png")
 

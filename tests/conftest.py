@@ -1,4 +1,4 @@
-"""Settings of the whole suite."""
+"""Viewpoints of the whole suite."""
 
 import os
 

@@ -30,22 +30,29 @@ def test_the_report_has_a_row_for_every_way(results):
     assert report.startswith("Machine: ")
     for name in ("array code, one thread", "two threads", "scalar code", "nine terms", "OpenTURNS", "quad", "Monte"):
         assert name in report
-    for name in ("kernel, 2 threads", "NumPy form", "culling, 1 thread", "rays of gauges", "Embree alone", "the plan"):
+    for name in (
+        "kernel, 2 threads",
+        "NumPy form",
+        "culling, 1 thread",
+        "rays of measurands",
+        "Embree alone",
+        "the plan",
+    ):
         assert name in report
 
 
-def test_refined_plans_are_no_worse_and_the_exact_camera_agrees():
+def test_refined_plans_are_no_worse_and_the_full_camera_agrees():
     """The example with few candidates, small version of the study; it ends with 1 where either does not hold."""
     table = run("benchmarks/best_plans.py", "--directions", "40", "--precision", "1e-3")
     assert "worse in number or, with as many, in sureness: 0." in table
     assert "contradicts: 0." in table
-    assert "with as many settings 1 of 1" in table
+    assert "with as many viewpoints 1 of 1" in table
 
 
 def test_the_validation_s_parts_run(tmp_path):
-    """Few looks of each part: it makes its tables and pictures."""
+    """Few acquisitions of each part: it makes its tables and pictures."""
     pytest.importorskip("cv2", reason="OpenCV is not installed")
-    out = run("benchmarks/validation.py", str(tmp_path), "--part", "paper", "--looks", "2")
+    out = run("benchmarks/validation.py", str(tmp_path), "--part", "paper", "--repeats", "2")
     rows = [line for line in out.splitlines() if line.startswith("| ss")]
     assert len(rows) == 5
     assert all(row.endswith("of 20 |") for row in rows)

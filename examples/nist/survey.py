@@ -1,4 +1,4 @@
-"""Plan the five NIST CTC parts and print what was read, made into gauges, met, and why not, as Markdown.
+"""Plan the five NIST CTC parts and print what was read, made into measurands, met, and why not, as Markdown.
 
 Usage: python survey.py FOLDER_OF_STEP_FILES
 """
@@ -16,8 +16,16 @@ COMMAND = "python examples/nist/survey.py FOLDER_OF_STEP_FILES > docs/nist.md"
 
 
 COLUMNS = (
-    *("part", "unit", "callouts", "with tolerance", "PLUS_MINUS_TOLERANCE", "dimensions with gauges", "gauges"),
-    *("candidates", "settings", "least of those known", "least anywhere", "met", "not met", "not measurable"),
+    *(
+        "part",
+        "unit",
+        "pmi_records",
+        "with tolerance",
+        "PLUS_MINUS_TOLERANCE",
+        "characteristics with measurands",
+        "measurands",
+    ),
+    *("candidates", "viewpoints", "least of those known", "least anywhere", "met", "not met", "not measurable"),
     "weakest probability",
 )
 
@@ -32,36 +40,37 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     inspection = vg.load(inspection_file, part=part_file)
     plan = vg.plan(inspection)
     by_status = {
-        status: [d for d in plan.dimensions if d.status == status] for status in ("met", "unmet", "not_measurable")
+        status: [d for d in plan.characteristics if d.status == status]
+        for status in ("met", "not_met", "not_measurable")
     }
-    callouts = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.dimensions}
-    toleranced = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.dimensions if d.tolerance_mm}
+    pmi_records = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.characteristics}
+    toleranced = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.characteristics if d.tolerance_mm}
     plus_minus = part_file.read_text(errors="replace").count("PLUS_MINUS_TOLERANCE(")
-    gauges = sum(len(d.gauges) for d in inspection.part.dimensions)
+    measurands = sum(len(d.measurands) for d in inspection.part.characteristics)
     met = by_status["met"]
     weakest = min((d.probability for d in met), default=float("nan"))
     anywhere = "?" if plan.anywhere is None else plan.anywhere.count
     cells = (
         inspection_file.stem.upper().replace("_", "-"),
         inspection.part.length_unit,
-        len(callouts),
+        len(pmi_records),
         len(toleranced),
         plus_minus,
-        len(inspection.part.dimensions),
-        gauges,
+        len(inspection.part.characteristics),
+        measurands,
         plan.candidate_count,
         plan.count,
         plan.lower_bound,
         anywhere,
         len(met),
-        len(by_status["unmet"]),
+        len(by_status["not_met"]),
         len(by_status["not_measurable"]),
         f"{weakest:.4f}",
     )
     reasons = [
         f"- {d.id}, {d.nominal_mm:.6g} mm, allowed error {d.allowed_error_mm:.3g} mm: **not met**, best probability "
         f"{d.probability:.4f}; {d.limit}. {d.proof[0].upper()}{d.proof[1:]}"
-        for d in by_status["unmet"]
+        for d in by_status["not_met"]
     ]
     reasons += [f"- {d.id}: **not measurable**; {d.limit}" for d in by_status["not_measurable"]]
     return table_row(cells), [*reasons, *(f"- note: {note}" for note in inspection.part.notes)]
@@ -82,9 +91,11 @@ def main(folder: Path) -> None:
     print(f"Made by `{COMMAND}`, with the inspection files of `examples/nist/`: 12 megapixels, a 25 mm lens,")
     print("0.1 px edges, a head good to 0.05 mm and 0.01 deg; 10 % of the tolerance at 95 %.\n")
     print(
-        "A callout is one dimension of the semantic PMI; on a pattern it is one dimension per feature. Settings are "
-        "those of the refined plan, beside the proven least number among all settings known, and over all poses that "
-        "the region allows. Where more callouts have a tolerance than the file has PLUS_MINUS_TOLERANCE entities, the "
+        "A PMI record is one characteristic of the semantic PMI; on a pattern it is one characteristic per "
+        "feature. Viewpoints are "
+        "those of the refined plan, beside the proven least number among all viewpoints known, and over all poses that "
+        "the region allows. Where more PMI records have a tolerance than the file has PLUS_MINUS_TOLERANCE "
+        "entities, the "
         "others are toleranced by limits, as the notes say.\n"
     )
     print(table_row(COLUMNS))

@@ -90,11 +90,12 @@ def lambda_20() -> Claim:
 def sign_of_translation() -> list[Claim]:
     claims = []
     for depth in (500.0, 130.0):
-        head = (1.2e-3, 0.2)  # the reconstruction's: s_t / s_r = 167 mm
+        pose_error = (1.2e-3, 0.2)  # the reconstruction's: s_t / s_r = 167 mm
         wrong, right = (
-            float(covariance_numerator_denominator(20, 0, depth + F, F, *head, printed=p)[0]) for p in (True, False)
+            float(covariance_numerator_denominator(20, 0, depth + F, F, *pose_error, printed=p)[0])
+            for p in (True, False)
         )
-        law = PointDisplacement([20, 0, depth], F, paper_covariance(*head))
+        law = PointDisplacement([20, 0, depth], F, paper_covariance(*pose_error))
         scale = float(law.sigma_zeta * law.sigma_chi)
         # the paper's image is the inverted one: its zeta is the negative of the law's, its chi the same
         holds = np.isclose(right / scale, -float(law.r_zeta_chi))

@@ -2,7 +2,7 @@
 
 Usage: python figures.py [FOLDER]
 
-Fig. 8 is drawn for the RECONSTRUCTION in five_settings.py. Writes PNG files to docs/pictures/paper.
+Fig. 8 is drawn for the RECONSTRUCTION in five_viewpoints.py. Writes PNG files to docs/pictures/paper.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from five_settings import RECONSTRUCTION, RELATIVE_TOLERANCE, Experiment, Model, estimate
+from five_viewpoints import RECONSTRUCTION, RELATIVE_TOLERANCE, Experiment, Model, estimate
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -53,8 +53,8 @@ def line(axes: Axes, k: int, x: NDArray[np.float64], y: NDArray[np.float64], lab
 def draw_images(axes: Axes, experiment: Experiment) -> None:
     """E2 as the five sensors see it (the place of Fig. 7)."""
     pixels = experiment.camera.to_pixels(experiment.camera.project(experiment.ends()))
-    for k, setting in enumerate(experiment.settings):
-        line(axes, k, pixels[k, :, 0], pixels[k, :, 1], setting.name)
+    for k, viewpoint in enumerate(experiment.viewpoints):
+        line(axes, k, pixels[k, :, 0], pixels[k, :, 1], viewpoint.name)
         axes.plot(*pixels[k].T, "o", color=COLOURS[k], markersize=4)
     axes.set(
         xlim=(0, experiment.resolution[0]),
@@ -68,7 +68,7 @@ def draw_images(axes: Axes, experiment: Experiment) -> None:
 
 
 def draw_densities(axes: Axes, law: Law, pitch_mm: float, names: Sequence[str], reach_px: float) -> None:
-    """Densities of a law of five settings, error in px."""
+    """Densities of a law of five viewpoints, error in px."""
     x = np.linspace(-reach_px, reach_px, 801)
     density = law.pdf(x[:, None] * pitch_mm) * pitch_mm
     for k, name in enumerate(names):
@@ -79,10 +79,10 @@ def draw_densities(axes: Axes, law: Law, pitch_mm: float, names: Sequence[str], 
 def figure_8(experiment: Experiment) -> Figure:
     """Fig. 8 a to d: independent model on the left, joint model on the right."""
     figure, axes = plt.subplots(4, 2, figsize=(9, 11.5), layout="constrained")
-    pitch, names = experiment.pixel_pitch_mm, [setting.name for setting in experiment.settings]
+    pitch, names = experiment.pixel_pitch_mm, [viewpoint.name for viewpoint in experiment.viewpoints]
     angle = experiment.displacement_law("joint").angle_rad
     draw_densities(axes[0, 0], SpatialQuantization(pitch, angle), pitch, names, 2)
-    axes[0, 0].set_title("(a) quantization error, both models: one law for all settings")
+    axes[0, 0].set_title("(a) quantization error, both models: one law for all viewpoints")
     axes[0, 0].legend()
     draw_images(axes[0, 1], experiment)
     for column, method in enumerate(("independent", "joint")):
@@ -97,16 +97,16 @@ def figure_8(experiment: Experiment) -> Figure:
 
 
 def draw_accuracy(axes: Axes, experiment: Experiment, method: Model) -> None:
-    """Probability to keep an accuracy; the paper's numbers, or the exact camera's, at 99 %."""
+    """Probability to keep an accuracy; the paper's numbers, or the full camera model's, at 99 %."""
     tolerance = np.linspace(0, 0.05, 301)
     length = experiment.displacement_law("joint").length_mm
     probability = experiment.total_law(method).central_probability(tolerance[:, None] * length)
-    for k, setting in enumerate(experiment.settings):
-        line(axes, k, 100 * (1 - tolerance), probability[:, k], setting.name)
+    for k, viewpoint in enumerate(experiment.viewpoints):
+        line(axes, k, 100 * (1 - tolerance), probability[:, k], viewpoint.name)
     if method == "independent":
-        marks, label = [setting.printed_probability for setting in experiment.settings], "printed in the paper"
+        marks, label = [viewpoint.printed_probability for viewpoint in experiment.viewpoints], "printed in the paper"
     else:
-        marks, label = [e.probability for e in estimate(experiment, EXACT_DRAWS)], "exact camera"
+        marks, label = [e.probability for e in estimate(experiment, EXACT_DRAWS)], "full camera model"
     at = 100 * (1 - RELATIVE_TOLERANCE)
     axes.axvline(at, color="0.6", linewidth=0.8)
     axes.plot([at] * len(marks), marks, "o", markerfacecolor="none", color="0.2", label=label)
@@ -160,12 +160,12 @@ def draw_modes(axes: Axes) -> None:
 def draw_correlation(axes: Axes, experiment: Experiment) -> None:
     """Cov(zeta, chi) is 0 on the axis; eq. 13 as printed errs in size, and at close range in sign."""
     across = np.linspace(-150, 150, 301)
-    f, head = experiment.focal_length_mm, (experiment.rotation_rad, experiment.translation_mm)
+    f, pose_error = experiment.focal_length_mm, (experiment.rotation_rad, experiment.translation_mm)
     for k, depth in enumerate((350.0, 130.0)):
         points = np.stack([across, np.zeros_like(across), np.full_like(across, depth)], axis=-1)
         law = PointDisplacement(points, f, experiment.pose_error.camera_covariance)
         for j, label in enumerate(("", ", eq. 13 as printed")):
-            covariance, _ = covariance_numerator_denominator(across, 0, depth + f, f, *head, printed=j == 1)
+            covariance, _ = covariance_numerator_denominator(across, 0, depth + f, f, *pose_error, printed=j == 1)
             line(axes, 2 * k + j, across, covariance / (law.sigma_zeta * law.sigma_chi), f"Z = {depth:.0f} mm{label}")
     axes.set(xlabel="C1, mm off the axis (paper's sign)", ylabel="correlation of ζ and χ", title="Cov = 0 on the axis")
     axes.set_ylim(-1, 1.9)
@@ -176,7 +176,7 @@ def draw_correlation(axes: Axes, experiment: Experiment) -> None:
 def draw_spread(axes: Axes, experiment: Experiment) -> None:
     """The horizontal displacement error grows with the angle off the axis."""
     angle = np.linspace(0, 40, 201)
-    tangent, distance = np.tan(np.radians(angle)), experiment.settings[2].distance_mm
+    tangent, distance = np.tan(np.radians(angle)), experiment.viewpoints[2].distance_mm
     equal_depth = distance * np.stack([tangent, np.zeros_like(angle), np.ones_like(angle)], axis=-1)
     equal_distance = equal_depth * np.cos(np.radians(angle))[:, None]
     for k, (points, label) in enumerate(((equal_depth, "equal depth"), (equal_distance, "equal distance"))):

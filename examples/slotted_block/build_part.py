@@ -1,7 +1,7 @@
-"""Build the block with two slots and two steps, with its dimensions, as STEP AP242 with semantic PMI.
+"""Build the block with two slots and two steps, with its characteristics, as STEP AP242 with semantic PMI.
 
-After Fig. 6 of the 1998 paper: the dimension E2 is the length of the step. Part frame, mm: the block lies on z = 0 with
-a corner at the origin, the steps descend along +x, the slots run along x through the top.
+After Fig. 6 of the 1998 paper: the characteristic E2 is the length of the step. Part frame, mm: the block lies on z = 0
+with a corner at the origin, the steps descend along +x, the slots run along x through the top.
 
     python build_part.py [FILE]     # default: slotted_block.step beside this script; the same bytes every time
 """
@@ -52,8 +52,8 @@ FACE, EDGE = TopAbs_ShapeEnum.TopAbs_FACE, TopAbs_ShapeEnum.TopAbs_EDGE
 
 
 @dataclass(frozen=True)
-class Callout:
-    """One dimension: its value, what it refers to, and where it is drawn.
+class PmiRecord:
+    """One characteristic: its value, what it refers to, and where it is drawn.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Callout:
     first, second
         Points, mm, each inside one face (or on one edge, see ``target``) that is referred to.
     line, offset
-        Ends of the drawn dimension line, mm, and how far it is moved off the part, mm.
+        Ends of the drawn characteristic line, mm, and how far it is moved off the part, mm.
     limits
         Write the range of permitted values instead of deviations.
     """
@@ -80,31 +80,35 @@ class Callout:
     limits: bool = False
 
 
-CALLOUTS = (
+PMI_RECORDS = (
     # overall: length, width, height (asymmetric)
-    Callout("E1", DISTANCE, 100, -0.15, 0.15, ((0, 6, 20),), ((100, 6, 6),), ((0, 0, 0), (100, 0, 0)), (0, -30, 0)),
-    Callout("E3", DISTANCE, 60, -0.1, 0.1, ((30, 0, 20),), ((30, 60, 20),), ((0, 0, 0), (0, 60, 0)), (-30, 0, 0)),
-    Callout("E4", DISTANCE, 40, -0.05, 0.1, ((30, 6, 0),), ((30, 6, 40),), ((0, 0, 0), (0, 0, 40)), (-30, 0, 0)),
+    PmiRecord("E1", DISTANCE, 100, -0.15, 0.15, ((0, 6, 20),), ((100, 6, 6),), ((0, 0, 0), (100, 0, 0)), (0, -30, 0)),
+    PmiRecord("E3", DISTANCE, 60, -0.1, 0.1, ((30, 0, 20),), ((30, 60, 20),), ((0, 0, 0), (0, 60, 0)), (-30, 0, 0)),
+    PmiRecord("E4", DISTANCE, 40, -0.05, 0.1, ((30, 6, 0),), ((30, 6, 40),), ((0, 0, 0), (0, 0, 40)), (-30, 0, 0)),
     # the steps: lengths and heights
-    Callout("E2", LENGTH, 60, -0.1, 0.1, ((30, 0, 40),), (), ((0, 0, 40), (60, 0, 40)), (0, -15, 0), target=EDGE),
-    Callout("E5", DISTANCE, 26, -0.08, 0.08, ((30, 6, 0),), ((70, 6, 26),), ((80, 0, 0), (80, 0, 26)), (0, -15, 0)),
-    Callout("E6", DISTANCE, 12, -0.06, 0.06, ((30, 6, 0),), ((90, 6, 12),), ((100, 0, 0), (100, 0, 12)), (15, 0, 0)),
-    Callout("E7", DISTANCE, 20, -0.06, 0.06, ((60, 6, 28),), ((80, 6, 20),), ((60, 0, 26), (80, 0, 26)), (0, -15, 0)),
+    PmiRecord("E2", LENGTH, 60, -0.1, 0.1, ((30, 0, 40),), (), ((0, 0, 40), (60, 0, 40)), (0, -15, 0), target=EDGE),
+    PmiRecord("E5", DISTANCE, 26, -0.08, 0.08, ((30, 6, 0),), ((70, 6, 26),), ((80, 0, 0), (80, 0, 26)), (0, -15, 0)),
+    PmiRecord("E6", DISTANCE, 12, -0.06, 0.06, ((30, 6, 0),), ((90, 6, 12),), ((100, 0, 0), (100, 0, 12)), (15, 0, 0)),
+    PmiRecord("E7", DISTANCE, 20, -0.06, 0.06, ((60, 6, 28),), ((80, 6, 20),), ((60, 0, 26), (80, 0, 26)), (0, -15, 0)),
     # the slots: widths (the second as a range), depths, the land between them from edge to edge, a basic position
-    Callout("E8", DISTANCE, 12, -0.05, 0.05, ((30, 12, 35),), ((30, 24, 35),), ((0, 12, 40), (0, 24, 40)), (-15, 0, 0)),
-    Callout(
+    PmiRecord(
+        "E8", DISTANCE, 12, -0.05, 0.05, ((30, 12, 35),), ((30, 24, 35),), ((0, 12, 40), (0, 24, 40)), (-15, 0, 0)
+    ),
+    PmiRecord(
         "E9", DISTANCE, 8, -0.05, 0.05, ((30, 36, 37),), ((30, 44, 37),), ((0, 36, 40), (0, 44, 40)), (-15, 0, 0),
         limits=True,
     ),
-    Callout("E10", DISTANCE, 10, -0.05, 0.05, ((30, 18, 30),), ((30, 6, 40),), ((0, 12, 30), (0, 12, 40)), (-15, 0, 0)),
-    Callout(
+    PmiRecord(
+        "E10", DISTANCE, 10, -0.05, 0.05, ((30, 18, 30),), ((30, 6, 40),), ((0, 12, 30), (0, 12, 40)), (-15, 0, 0)
+    ),
+    PmiRecord(
         "E11", DISTANCE, 12, -0.06, 0.06, ((30, 24, 40),), ((30, 36, 40),), ((60, 24, 40), (60, 36, 40)), (0, 0, 15),
         target=EDGE,
     ),
-    Callout("E12", DISTANCE, 12, None, None, ((30, 0, 20),), ((30, 12, 35),), ((0, 0, 40), (0, 12, 40)), (0, 0, 15)),
-    # through holes: one alone, and two alike in one callout
-    Callout("E13", DIAMETER, 10, -0.05, 0.05, ((65, 30, 13),), (), ((65, 30, 26), (75, 30, 26)), (0, 0, 30)),
-    Callout(
+    PmiRecord("E12", DISTANCE, 12, None, None, ((30, 0, 20),), ((30, 12, 35),), ((0, 0, 40), (0, 12, 40)), (0, 0, 15)),
+    # through holes: one alone, and two alike in one PMI record
+    PmiRecord("E13", DIAMETER, 10, -0.05, 0.05, ((65, 30, 13),), (), ((65, 30, 26), (75, 30, 26)), (0, 0, 30)),
+    PmiRecord(
         "E14", DIAMETER, 8, 0.0, 0.08, ((86, 15, 6), (86, 45, 6)), (), ((86, 15, 12), (94, 15, 12)), (0, 0, 30)
     ),
 )  # fmt: skip
@@ -145,10 +149,10 @@ def feature_at(solid: TopoDS_Shape, point: Point, target: TopAbs_ShapeEnum) -> T
     return found[0]
 
 
-def drawing(callout: Callout) -> tuple[TopoDS_Shape, gp_Ax2, gp_Pnt]:
-    """The dimension line with its two extension lines, the plane they lie in, and the middle of the line."""
-    start, end = (np.asarray(point, dtype=float) for point in callout.line)
-    offset = np.asarray(callout.offset, dtype=float)
+def drawing(pmi_record: PmiRecord) -> tuple[TopoDS_Shape, gp_Ax2, gp_Pnt]:
+    """The characteristic line with its two extension lines, the plane they lie in, and the middle of the line."""
+    start, end = (np.asarray(point, dtype=float) for point in pmi_record.line)
+    offset = np.asarray(pmi_record.offset, dtype=float)
     lines = ((start, start + offset), (start + offset, end + offset), (end + offset, end))
     compound, builder = TopoDS_Compound(), BRep_Builder()
     builder.MakeCompound(compound)
@@ -158,32 +162,32 @@ def drawing(callout: Callout) -> tuple[TopoDS_Shape, gp_Ax2, gp_Pnt]:
     return compound, gp_Ax2(middle, gp_Dir(*np.cross(end - start, offset)), gp_Dir(*(end - start))), middle
 
 
-def dimension_object(callout: Callout) -> XCAFDimTolObjects_DimensionObject:
-    """The callout as the CAD kernel's object; its name travels as the name of its presentation."""
+def dimension_object(pmi_record: PmiRecord) -> XCAFDimTolObjects_DimensionObject:
+    """The PMI record as the CAD kernel's object; its name travels as the name of its presentation."""
     thing = XCAFDimTolObjects_DimensionObject()
-    thing.SetType(callout.type)
-    if callout.lower is None or callout.upper is None:
-        thing.SetValue(callout.nominal)
-    elif callout.limits:
-        thing.SetUpperBound(callout.nominal + callout.upper)
-        thing.SetLowerBound(callout.nominal + callout.lower)
+    thing.SetType(pmi_record.type)
+    if pmi_record.lower is None or pmi_record.upper is None:
+        thing.SetValue(pmi_record.nominal)
+    elif pmi_record.limits:
+        thing.SetUpperBound(pmi_record.nominal + pmi_record.upper)
+        thing.SetLowerBound(pmi_record.nominal + pmi_record.lower)
     else:
-        thing.SetValue(callout.nominal)
-        thing.SetUpperTolValue(callout.upper)
-        thing.SetLowerTolValue(-callout.lower)  # the kernel keeps the magnitude and writes the minus sign
-    lines, plane, middle = drawing(callout)
-    thing.SetPresentation(lines, TCollection_HAsciiString(callout.name))
+        thing.SetValue(pmi_record.nominal)
+        thing.SetUpperTolValue(pmi_record.upper)
+        thing.SetLowerTolValue(-pmi_record.lower)  # the kernel keeps the magnitude and writes the minus sign
+    lines, plane, middle = drawing(pmi_record)
+    thing.SetPresentation(lines, TCollection_HAsciiString(pmi_record.name))
     thing.SetPlane(plane)
     thing.SetPointTextAttach(middle)
     return thing
 
 
 def build_document() -> TDocStd_Document:
-    """The solid and its dimensions as a CAD document."""
+    """The solid and its characteristics as a CAD document."""
     solid = build_solid()
     document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    dimensions = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
+    characteristics = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
     root = shapes.AddShape(solid, False)
     TDataStd_Name.Set_s(root, TCollection_ExtendedString(NAME))
 
@@ -193,11 +197,11 @@ def build_document() -> TDocStd_Document:
             sequence.Append(shapes.AddSubShape(root, feature_at(solid, point, target)))
         return sequence
 
-    for callout in CALLOUTS:
-        label: TDF_Label = dimensions.AddDimension()
-        first, second = labels(callout.first, callout.target), labels(callout.second, callout.target)
-        dimensions.SetDimension(first, second, label)
-        XCAFDoc_Dimension.Set_s(label).SetObject(dimension_object(callout))
+    for pmi_record in PMI_RECORDS:
+        label: TDF_Label = characteristics.AddDimension()
+        first, second = labels(pmi_record.first, pmi_record.target), labels(pmi_record.second, pmi_record.target)
+        characteristics.SetDimension(first, second, label)
+        XCAFDoc_Dimension.Set_s(label).SetObject(dimension_object(pmi_record))
     return document
 
 
@@ -220,4 +224,4 @@ def step_text(document: TDocStd_Document) -> str:
 if __name__ == "__main__":
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name(f"{NAME}.step")
     target.write_text(step_text(build_document()), encoding="ascii", newline="\n")
-    print(f"{target.name}: {len(CALLOUTS)} callouts")
+    print(f"{target.name}: {len(PMI_RECORDS)} PMI records")

@@ -1,9 +1,10 @@
-"""From a plan to measured dimensions: plan with a calibrated camera, simulate images of the plan's settings, measure.
+"""From a plan to measured characteristics: plan with a calibrated camera, simulate images of the plan's viewpoints,
+measure.
 
 Usage: python images.py [FOLDER]
 
 Writes the plan, the images and pictures of what was found into FOLDER (by default a temporary one). Exit code 1 if a
-dimension fails although the part is right.
+characteristic fails although the part is right.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import viewgauge as vg
 from viewgauge.simulation.image_sensor import Sensor
 
 FILE = Path(__file__).parent / "real_camera.yaml"
-LOOKS = 4
+ACQUISITIONS = 4
 
 
 def main(folder: Path) -> int:
@@ -26,17 +27,19 @@ def main(folder: Path) -> int:
     plan = vg.plan(inspection, prove=False)
     vg.write_plan(plan, inspection, folder / "plan")
     sensor = Sensor(blur_px=0.6, noise=0.005)
-    vg.simulate(inspection, folder / "images", folder / "plan" / "settings.csv", looks=LOOKS, sensor=sensor)
+    vg.simulate(
+        inspection, folder / "images", folder / "plan" / "viewpoints.csv", acquisitions=ACQUISITIONS, sensor=sensor
+    )
     rows = vg.measure(inspection, folder / "plan", folder / "images", folder / "measured")
-    print(f"{plan.count} settings, {LOOKS} images of each\n")
-    print("dimension | nominal | mean of measured / mm | U / mm | verdicts")
-    for name in dict.fromkeys(row.dimension for row in rows):
-        mine = [row for row in rows if row.dimension == name]
+    print(f"{plan.count} viewpoints, {ACQUISITIONS} images of each\n")
+    print("characteristic | nominal | mean of measured / mm | U / mm | verdicts")
+    for name in dict.fromkeys(row.characteristic for row in rows):
+        mine = [row for row in rows if row.characteristic == name]
         values = [row.measured_mm for row in mine if row.measured_mm is not None]
         mean = f"{sum(values) / len(values):.4f}" if values else "-"
         largest = max((row.expanded_uncertainty_mm or 0.0 for row in mine), default=0.0)
-        told = ", ".join(f"{count} {verdict}" for verdict, count in Counter(row.verdict for row in mine).items())
-        print(f"{name:9} | {mine[0].nominal_mm:7g} | {mean:>21} | {largest:6.4f} | {told}")
+        reported = ", ".join(f"{count} {verdict}" for verdict, count in Counter(row.verdict for row in mine).items())
+        print(f"{name:9} | {mine[0].nominal_mm:7g} | {mean:>21} | {largest:6.4f} | {reported}")
     return int(any(row.verdict == "fail" for row in rows))
 
 

@@ -33,10 +33,11 @@ def main(folder: Path) -> None:
         answers = what_if.answers(replace(what_if.today, translation_mm=translation))
         weakest = answers.weakest
         assert weakest is not None
-        told = (
-            f"{answers.met} of {len(answers.dimensions)} met, weakest {weakest.dimension.id} {weakest.probability:.5f}"
+        reported = (
+            f"{answers.met} of {len(answers.characteristics)} met, weakest {weakest.characteristic.id} "
+            f"{weakest.probability:.5f}"
         )
-        print(f"head good to {translation} mm: {told}")
+        print(f"head good to {translation} mm: {reported}")
 
 
 if __name__ == "__main__":

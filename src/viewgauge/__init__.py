@@ -3,7 +3,7 @@
 >>> import viewgauge as vg
 >>> inspection = vg.load("inspection.yaml")  # doctest: +SKIP
 >>> plan = vg.plan(inspection)  # doctest: +SKIP
->>> table = vg.evaluate(inspection, "settings.csv")  # doctest: +SKIP
+>>> table = vg.evaluate(inspection, "viewpoints.csv")  # doctest: +SKIP
 
 Lengths are mm, angles rad, image positions px; ``T_a_b`` maps coordinates in b to coordinates in a. The public names
 are those of ``__init__.pyi``; each is imported when it is first used, so that starting is fast.

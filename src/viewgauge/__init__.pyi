@@ -4,8 +4,8 @@ from .exceptions import InputError as InputError
 from .exceptions import InspectionFileError as InspectionFileError
 from .exceptions import NoCandidateError as NoCandidateError
 from .exceptions import PartFileError as PartFileError
-from .exceptions import SettingsFileError as SettingsFileError
 from .exceptions import ViewgaugeError as ViewgaugeError
+from .exceptions import ViewpointsFileError as ViewpointsFileError
 from .execution.executor import open_executor as open_executor
 from .geometry.lens import Lens as Lens
 from .geometry.pose_error import PoseError as PoseError
@@ -20,7 +20,7 @@ from .jobs.images.simulate import simulate as simulate
 from .jobs.images.validate import validate as validate
 from .jobs.improvement.improve import improve as improve
 from .jobs.improvement.specify import specify as specify
-from .jobs.laws import gauge_laws as gauge_laws
+from .jobs.laws import measurand_laws as measurand_laws
 from .jobs.load import load as load
 from .jobs.planning.plan import plan as plan
 from .jobs.plot import plan_chart as plan_chart
@@ -32,5 +32,5 @@ from .planning.candidates.candidate_options import CandidateOptions as Candidate
 from .planning.inspection import Inspection as Inspection
 from .planning.plan import Plan as Plan
 from .sensors.camera import Camera as Camera
-from .sensors.edge_detector import EdgeLocator as EdgeLocator
+from .sensors.edge_detector import EdgeDetector as EdgeDetector
 from .simulation.image_sensor import ImageSensor as ImageSensor

@@ -6,7 +6,7 @@
     ├── InputError (also a ValueError)      what the user gave cannot be used; exit code 2
     │   ├── InspectionFileError             the inspection file (YAML)
     │   ├── PartFileError                   the CAD file or mesh
-    │   └── SettingsFileError               the file of explicit camera poses (CSV)
+    │   └── ViewpointsFileError               the file of explicit camera poses (CSV)
     ├── JobCancelledError                   somebody ended the work, such as a plan in the workbench
     └── NoCandidateError                    nothing is left to plan with; exit code 2
 
@@ -23,8 +23,8 @@ __all__ = [
     "JobCancelledError",
     "NoCandidateError",
     "PartFileError",
-    "SettingsFileError",
     "ViewgaugeError",
+    "ViewpointsFileError",
 ]
 
 
@@ -91,9 +91,9 @@ class PartFileError(InputError):
     """The part's file (STEP or mesh) cannot be used."""
 
 
-class SettingsFileError(InputError):
-    """The file of explicit sensor settings cannot be used."""
+class ViewpointsFileError(InputError):
+    """The file of explicit viewpoints cannot be used."""
 
 
 class NoCandidateError(ViewgaugeError):
-    """No candidate sensor setting is left to plan with."""
+    """No candidate viewpoint is left to plan with."""

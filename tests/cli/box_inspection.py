@@ -9,17 +9,18 @@ from viewgauge.cli import main
 SECTIONS = {
     "part": """
   file: box.stl
-  dimensions:
+  characteristics:
     - id: width
-      start: [0, 0, 40] mm
-      end: [80, 0, 40] mm
+      points: [[0, 0, 40], [80, 0, 40]]
+      unit: mm
       tolerance: 0.1 mm
     - id: heel
-      start: [0, 50, 0] mm
-      end: [80, 50, 0] mm
-      tolerance: [-0.1, 0.2] mm""",
-    "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}",
-    "head": "{translation: 0.1 mm, rotation: 0.02 deg}",
+      points: [[0, 50, 0], [80, 50, 0]]
+      unit: mm
+      tolerance: '[-0.1, 0.2] mm'""",
+    "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], "
+    "edge_detector: {quantization: 0.1 px}}",
+    "pose_error": "{translation: 0.1 mm, rotation: 0.02 deg}",
     "requirement": "{accuracy: 0.995, probability: 0.95}",
     "candidates": "{directions: 40, rolls: 2}",
 }

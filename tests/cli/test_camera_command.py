@@ -27,7 +27,7 @@ cam1:
 """
 
 
-def test_a_calibration_is_told_and_written(capsys):
+def test_a_calibration_is_reported_and_written(capsys):
     Path("chain.yaml").write_text(KALIBR)
     assert main(["camera", "chain.yaml", "--name", "cam0", "-o", "opencv.yaml"]) == 0
     out, err = capsys.readouterr()
@@ -46,7 +46,7 @@ def test_a_calibration_is_told_and_written(capsys):
 
 
 def test_the_camera_of_an_inspection(capsys):
-    write(camera=SECTIONS["camera"].replace("edge_resolution", "distortion: [-0.1, 0, 0, 0], edge_resolution"))
+    write(camera=SECTIONS["camera"].replace("edge_detector", "distortion: [-0.1, 0, 0, 0], edge_detector"))
     assert main(["camera", "inspection.yaml", "-o", "deep.yaml"]) == 0
     assert "inspection file: 2448 x 2048 px" in capsys.readouterr().out
     write(camera="{calibration: deep.yaml, pixel_pitch: 3.45 um}")
@@ -56,7 +56,7 @@ def test_the_camera_of_an_inspection(capsys):
     assert document["distortion"]["k1"] == -0.1
 
 
-def test_what_cannot_be_used_is_told(capsys):
+def test_what_cannot_be_used_is_reported(capsys):
     Path("chain.yaml").write_text(KALIBR)
     assert "the file has several cameras" in refused(capsys, "camera", "chain.yaml")
     assert "no such camera" in refused(capsys, "camera", "chain.yaml", "--name", "cam2")

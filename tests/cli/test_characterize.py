@@ -23,17 +23,17 @@ def errors(n, name="errors.csv"):
     return values * [1, 1, 1, 1e-3, 1e-3, 1e-3]
 
 
-def test_it_says_and_writes_a_head_that_the_inspection_reads(capsys):
+def test_it_says_and_writes_a_pose_error_that_the_inspection_reads(capsys):
     values = errors(15)
     assert main(["characterize", "errors.csv", "-o", "heads/mine.yaml"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     assert "15 samples (pose errors), 14 degrees of freedom" in out
     assert "written to heads/mine.yaml" in out
-    write(head="{covariance: heads/mine.yaml}")
-    head = vg.load("inspection.yaml").head
+    write(pose_error="{covariance: heads/mine.yaml}")
+    pose_error = vg.load("inspection.yaml").pose_error
     k = t.ppf(0.975, 14) / norm.ppf(0.975)  # the requirement's probability is 0.95
-    assert head.covariance == pytest.approx(k**2 * np.cov(values.T))
+    assert pose_error.covariance == pytest.approx(k**2 * np.cov(values.T))
 
 
 def test_json_holds_the_figures(capsys):

@@ -32,7 +32,7 @@ def test_plan_writes_its_files_and_ends_with_0(capsys):
     out, err = capsys.readouterr()
     assert err == ""
     assert sorted(p.name for p in Path("new/nested folder").iterdir()) == [
-        "assignments.csv", "plan.json", "report.html", "settings.csv",
+        "assignments.csv", "plan.json", "report.html", "viewpoints.csv",
     ]  # fmt: skip
     assert "2 of 2 dimensions" in out
     assert "nested folder" in out
@@ -42,22 +42,22 @@ def test_json_is_plan_json(capsys):
     assert main(["plan", "inspection.yaml", "-o", "out", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document == json.loads(Path("out/plan.json").read_text())
-    assert document["dimensions"][0]["id"] == "width"
+    assert document["characteristics"][0]["id"] == "width"
 
 
-def test_an_unmet_dimension_is_1_and_is_named_with_the_best_reached_and_the_cause(capsys):
+def test_an_not_met_characteristic_is_1_and_is_named_with_the_best_reached_and_the_cause(capsys):
     write(requirement="{error: 1 nm, probability: 0.95}")
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
     out = capsys.readouterr().out
-    assert "unmet           width: best probability 0.0" in out
+    assert "not met           width: best probability 0.0" in out
     assert "of 0.95 required; visible, but limited by pose error" in out
     assert main(["plan", "inspection.yaml", "-o", "out", "--json"]) == 1
     document = json.loads(capsys.readouterr().out)
     assert (document["count"], document["lower_bound"], document["proven"]) == (0, 0, True)
-    assert {d["status"] for d in document["dimensions"]} == {"unmet"}
+    assert {d["status"] for d in document["characteristics"]} == {"not_met"}
 
 
-def test_a_hidden_dimension_names_the_reason_that_dominates(capsys):
+def test_a_hidden_characteristic_names_the_reason_that_dominates(capsys):
     write(candidates="{directions: 20, rolls: 1, cone: {half_angle: 10 deg}}")
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
     assert "heel: best probability 0.0000 of 0.95 required; not visible from any of" in (out := capsys.readouterr().out)
@@ -68,7 +68,7 @@ def test_no_tolerance_is_1_and_is_named_by_every_command(capsys):
     part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "")
     write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
     Path("s.csv").write_text(HEADER + ABOVE)
-    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--settings", "s.csv"]):
+    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--viewpoints", "s.csv"]):
         assert main([command[0], "inspection.yaml", *command[1:]]) == 1
         out = capsys.readouterr().out
         assert "width" in out
@@ -78,10 +78,10 @@ def test_no_tolerance_is_1_and_is_named_by_every_command(capsys):
 
 
 def test_nothing_that_can_be_judged_is_1_and_no_crash(capsys):
-    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: [-0.1, 0.2] mm", "")
+    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: '[-0.1, 0.2] mm'", "")
     write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
     Path("s.csv").write_text(HEADER + ABOVE)
-    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--settings", "s.csv", "-o", "t.csv"]):
+    for command in (["check"], ["plan", "-o", "out"], ["evaluate", "--viewpoints", "s.csv", "-o", "t.csv"]):
         assert main([command[0], "inspection.yaml", *command[1:]]) == 1
         assert "basic value" in capsys.readouterr().out
 
@@ -90,24 +90,24 @@ def test_check_says_what_was_read(capsys):
     assert main(["check", "inspection.yaml"]) == 0
     out = capsys.readouterr().out
     assert "80 x 50 x 40 mm" in out
-    assert "heel: gauge 80 mm (-0.1 +0.2)" in out
+    assert "heel: measurand 80 mm (-0.1 +0.2)" in out
     assert main(["check", "inspection.yaml", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["part"]["size_mm"] == [80, 50, 40]
-    assert [d["id"] for d in document["dimensions"]] == ["width", "heel"]
+    assert [d["id"] for d in document["characteristics"]] == ["width", "heel"]
     assert list(document["inputs"]) == ["inspection.yaml", "box.stl"]
 
 
-def test_evaluate_names_the_best_setting_of_each_dimension(capsys):
+def test_evaluate_names_the_best_viewpoint_of_each_characteristic(capsys):
     Path("s.csv").write_text(HEADER + "far,40,0,35000,0,1,0,0\n" + ABOVE)
-    assert main(["evaluate", "inspection.yaml", "--settings", "s.csv"]) == 1
+    assert main(["evaluate", "inspection.yaml", "--viewpoints", "s.csv"]) == 1
     out = capsys.readouterr().out
     assert "width: probability" in out
     assert "from above, accepted" in out
     assert "heel: not visible (facing_away), not accepted" in out
-    assert main(["evaluate", "inspection.yaml", "--settings", "s.csv", "--json"]) == 1
+    assert main(["evaluate", "inspection.yaml", "--viewpoints", "s.csv", "--json"]) == 1
     best = json.loads(capsys.readouterr().out)["best"]
-    assert (best["width"]["setting"], best["width"]["accepted"]) == ("above", True)
+    assert (best["width"]["viewpoint"], best["width"]["accepted"]) == ("above", True)
     assert best["heel"]["reason"] == "facing_away"
 
 
@@ -143,7 +143,7 @@ def test_tables_read_back_equal(suffix):
         pytest.importorskip("pyarrow" if suffix == ".parquet" else "zarr", reason="an optional library")
     Path("s.csv").write_text(HEADER + "far,40,0,3500,0,1,0,0\n" + ABOVE)
     for _ in range(2):  # the second run writes over the first
-        assert main(["evaluate", "inspection.yaml", "--settings", "s.csv", "-o", f"new/t{suffix}"]) == 1
+        assert main(["evaluate", "inspection.yaml", "--viewpoints", "s.csv", "-o", f"new/t{suffix}"]) == 1
     assert os.listdir("new") == [f"t{suffix}"]
     expected = vg.evaluate(vg.load("inspection.yaml"), "s.csv")
     path = f"new/t{suffix}"
@@ -151,15 +151,15 @@ def test_tables_read_back_equal(suffix):
         import xarray as xr
 
         got = xr.open_zarr(path, consolidated=False).load()
-        for name in (*COLUMNS, "gauge", "validity"):
+        for name in (*COLUMNS, "measurand", "validity"):
             np.testing.assert_array_equal(got[name].values, expected[name].values, err_msg=name)
         return
     import pandas as pd
 
     rows = pd.read_parquet(path) if suffix == ".parquet" else pd.read_csv(path, keep_default_na=False, na_values=[])
-    assert list(rows.columns) == ["setting", "dimension", *COLUMNS, "validity"]
-    assert rows["setting"].tolist() == ["far", "far", "above", "above"]
-    assert rows["dimension"].tolist() == ["width", "heel"] * 2
+    assert list(rows.columns) == ["viewpoint", "characteristic", *COLUMNS, "validity"]
+    assert rows["viewpoint"].tolist() == ["far", "far", "above", "above"]
+    assert rows["characteristic"].tolist() == ["width", "heel"] * 2
     for name in (*COLUMNS, "validity"):
         given = expected[name].values.ravel()
         if given.dtype == float:
@@ -174,7 +174,8 @@ def test_methods_agree_as_theory_says():
     inspection = vg.load("inspection.yaml")
     vg.write_plan(vg.plan(inspection), inspection, "out")
     joint, independent, drawn = (
-        vg.evaluate(inspection, "out/settings.csv", method=method) for method in ("joint", "independent", "monte-carlo")
+        vg.evaluate(inspection, "out/viewpoints.csv", method=method)
+        for method in ("joint", "independent", "monte-carlo")
     )
     np.testing.assert_array_equal(joint["visible"], drawn["visible"])
     assert (independent["probability"] <= joint["probability"]).all(), "the paper's model overstates the spread"
@@ -182,16 +183,16 @@ def test_methods_agree_as_theory_says():
     # 99 % intervals of half-width 1e-3: twice that fails a right pair in less than 1 of 10^4 cases (t, 15 degrees)
     assert abs(drawn["probability"] - joint["probability"]).max() < 2e-3
     assert abs(drawn["expected_accuracy"] - joint["expected_accuracy"]).max() < 1e-4
-    again = vg.evaluate(inspection, "out/settings.csv", method="monte-carlo")
+    again = vg.evaluate(inspection, "out/viewpoints.csv", method="monte-carlo")
     np.testing.assert_array_equal(again["probability"], drawn["probability"])
 
 
-def test_the_exact_camera_gives_an_interval_as_narrow_as_asked():
+def test_the_full_camera_gives_an_interval_as_narrow_as_asked():
     import pandas as pd
 
     Path("s.csv").write_text(HEADER + ABOVE)
     write(requirement="{accuracy: 0.9998, probability: 0.95}")
-    command = ["evaluate", "inspection.yaml", "--settings", "s.csv", "--method", "monte-carlo", "-o", "t.csv"]
+    command = ["evaluate", "inspection.yaml", "--viewpoints", "s.csv", "--method", "monte-carlo", "-o", "t.csv"]
     for precision in (1e-2, 5e-4):
         assert main([*command, "--precision", str(precision)]) == 1
         rows = pd.read_csv("t.csv", keep_default_na=False)
@@ -206,26 +207,26 @@ def test_the_exact_camera_gives_an_interval_as_narrow_as_asked():
 def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
     # a head known to 25 mm and 4 degrees
     write(
-        head="{translation: 25 mm, rotation: 4 deg}",
+        pose_error="{translation: 25 mm, rotation: 4 deg}",
         requirement="{accuracy: 0.7, probability: 0.9}",
-        candidates="{distance: [300, 400] mm, directions: 20, rolls: 1}",
+        candidates="{distance: '[300, 400] mm', directions: 20, rolls: 1}",
     )
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 0
     out = capsys.readouterr().out
     assert "warning         width: " in out
-    assert "; confirmed with the exact camera" in out
-    planned = {d["id"]: d for d in json.loads(Path("out/plan.json").read_text())["dimensions"]}
+    assert "; confirmed with the full camera model" in out
+    planned = {d["id"]: d for d in json.loads(Path("out/plan.json").read_text())["characteristics"]}
     assert all(d["warning"] for d in planned.values())
-    for method, told in (("joint", True), ("monte-carlo", False)):
-        command = ["evaluate", "inspection.yaml", "--settings", "out/settings.csv", "--method", method]
+    for method, reported in (("joint", True), ("monte-carlo", False)):
+        command = ["evaluate", "inspection.yaml", "--viewpoints", "out/viewpoints.csv", "--method", method]
         assert main([*command, "--json"]) == 0
         best = json.loads(capsys.readouterr().out)["best"]
         assert main(command) == 0
-        assert ("the exact camera answers with --method monte-carlo" in capsys.readouterr().out) is told
-    for name, dimension in planned.items():
-        # another place in the table, the same draws: what the plan states is what the exact camera gives
-        assert dimension["probability"] == pytest.approx(best[name]["probability"], abs=1e-12)
-        assert best[name]["validity"] == dimension["warning"]
+        assert ("the full camera model answers with --method monte-carlo" in capsys.readouterr().out) is reported
+    for name, characteristic in planned.items():
+        # another place in the table, the same draws: what the plan states is what the full camera model gives
+        assert characteristic["probability"] == pytest.approx(best[name]["probability"], abs=1e-12)
+        assert best[name]["validity"] == characteristic["warning"]
 
 
 # --- bad input: exit code 2 and one telling message -------------------------------------------------------------------
@@ -240,20 +241,24 @@ def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
         ({"camera": SECTIONS["camera"].replace("16 mm", "16 deg")}, "12:camera.focal_length", "16 deg"),
         ({"camera": SECTIONS["camera"].replace("focal_length", "focal")}, "12:camera.focal", "unknown"),
         ({"camera": SECTIONS["camera"].replace("2448", "-2448")}, "12:camera.resolution", "-2448"),
-        ({"head": "{translation: -0.1 mm, rotation: 0.02 deg}"}, "13:head.translation", "-0.1 mm"),
-        ({"head": "{translation: 0.1 deg, rotation: 0.02 deg}"}, "13:head.translation", "0.1 deg"),
+        ({"pose_error": "{translation: -0.1 mm, rotation: 0.02 deg}"}, "13:pose_uncertainty.translation", "-0.1 mm"),
+        ({"pose_error": "{translation: 0.1 deg, rotation: 0.02 deg}"}, "13:pose_uncertainty.translation", "0.1 deg"),
         ({"requirement": "{accuracy: 1.5, probability: 0.95}"}, "14:requirement", "1.5"),
         ({"requirement": "{accuracy: 0.99, probability: 2}"}, "14:requirement.probability", "2"),
-        ({"candidates": "{distance: [600, 300] mm}"}, "15:candidates.distance", "the nearer distance comes first"),
-        ({"candidates": "{settings: none.csv}"}, "", "none.csv"),
+        ({"candidates": "{distance: '[600, 300] mm'}"}, "15:candidates.distance", "the nearer distance comes first"),
+        ({"candidates": "{viewpoints: none.csv}"}, "", "none.csv"),
         ({"bogus": "1"}, "16:bogus", "unknown"),
         (
             {"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, 4000] mm")},
-            "4:part.dimensions",
+            "4:part.characteristics",
             "outside the part: its end is 3960 mm from the surface",
         ),
-        ({"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, .nan] mm")}, "6:part.dimensions[0].end", "nan"),
-        ({"part": "{file: box.stl}"}, "part.dimensions", "no dimension to measure"),
+        (
+            {"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, .nan] mm")},
+            "6:part.characteristics[0].end",
+            "nan",
+        ),
+        ({"part": "{file: box.stl}"}, "part.characteristics", "no characteristic to measure"),
         ({"part": SECTIONS["part"].replace("box.stl", "gone.stl")}, "gone.stl", "cannot be read"),
         ({"part": SECTIONS["part"].replace("box.stl", "gone.step")}, "gone.step", "does not exist"),
         ({"part": SECTIONS["part"].replace("box.stl", "box.dwg")}, "box.dwg", "STEP (.stp, .step, .p21) or a mesh"),
@@ -275,9 +280,9 @@ def test_covariance_that_is_none(capsys):
     rows = np.diag([1.0, 1, 1, 1e-6, 1e-6, 1e-6])
     rows[0, 1] = rows[1, 0] = 2.0
     Path("cov.yaml").write_text("covariance:\n" + "".join(f"  - {row.tolist()}\n" for row in rows))
-    write(head="{covariance: cov.yaml}")
+    write(pose_error="{covariance: cov.yaml}")
     err = refused(capsys, "check", "inspection.yaml")
-    assert "head.covariance" in err or "cov.yaml" in err
+    assert "pose_uncertainty.covariance" in err or "cov.yaml" in err
     assert "positive semidefinite" in err
 
 
@@ -286,19 +291,19 @@ def test_covariance_that_is_none(capsys):
     [
         (HEADER + "a,0,0,300,0,1,1,0\n", "s.csv:2:qw, qx, qy, qz: the quaternion is not of unit length"),
         (HEADER + ABOVE + "a,0,nan,300,0,1,0,0\n", "s.csv:3:y: not a finite number"),
-        (HEADER, "no settings in the file"),
+        (HEADER, "no viewpoints in the file"),
         ("id,x,y\n", "s.csv:1:z, qw, qx, qy, qz: columns are missing"),
     ],
 )
-def test_bad_settings_files(capsys, content, telling):
+def test_bad_viewpoints_files(capsys, content, telling):
     Path("s.csv").write_text(content)
-    assert telling in refused(capsys, "evaluate", "inspection.yaml", "--settings", "s.csv")
-    write(candidates="{settings: s.csv}")
+    assert telling in refused(capsys, "evaluate", "inspection.yaml", "--viewpoints", "s.csv")
+    write(candidates="{viewpoints: s.csv}")
     assert telling in refused(capsys, "plan", "inspection.yaml", "-o", "out")
 
 
-def test_evaluate_without_settings_says_where_to_give_them(capsys):
-    assert "candidates.settings" in refused(capsys, "evaluate", "inspection.yaml")
+def test_evaluate_without_viewpoints_says_where_to_give_them(capsys):
+    assert "candidates.viewpoints" in refused(capsys, "evaluate", "inspection.yaml")
 
 
 @pytest.mark.parametrize(
@@ -336,7 +341,7 @@ def test_a_step_file_that_crashes_or_hangs_the_reader(capsys, monkeypatch, code,
     assert telling in err
 
 
-def test_what_is_wrong_with_the_inspection_file_is_told_before_its_part(capsys):
+def test_what_is_wrong_with_the_inspection_file_is_reported_before_its_part(capsys):
     write(part="{file: none.step}", camera=SECTIONS["camera"].replace("16 mm", "16"))
     err = refused(capsys, "check", "inspection.yaml")
     assert "camera.focal_length" in err
@@ -346,9 +351,9 @@ def test_what_is_wrong_with_the_inspection_file_is_told_before_its_part(capsys):
 
 
 def test_no_candidate_left(capsys):
-    write(candidates="{distance: [1, 2] mm, targets: 0}")
+    write(candidates="{distance: '[1, 2] mm', targets: 0}")
     err = refused(capsys, "plan", "inspection.yaml", "-o", "out")
-    assert "no candidate setting is left" in err
+    assert "no candidate viewpoint is left" in err
     assert "allow larger distances" in err
     assert not Path("out").exists()
 
@@ -362,12 +367,12 @@ def test_no_candidate_left(capsys):
         (["check", "inspection.yaml", "--bogus"], "--bogus"),
         (["plan", "inspection.yaml", "-o", "out", "--seed", "1.5"], "'1.5' is not a whole number"),
         (["plan", "inspection.yaml", "-o", "out", "--seed", "-3"], "seed"),
-        (["evaluate", "inspection.yaml", "--settings", "s.csv", "--method", "exact"], "monte-carlo"),
-        (["evaluate", "inspection.yaml", "--settings", "s.csv", "--precision", "0"], "precision"),
-        (["evaluate", "none.yaml", "--settings", "s.csv", "-o", "t.xlsx"], "a suffix of .csv, .parquet, .zarr"),
+        (["evaluate", "inspection.yaml", "--viewpoints", "s.csv", "--method", "exact"], "monte-carlo"),
+        (["evaluate", "inspection.yaml", "--viewpoints", "s.csv", "--precision", "0"], "precision"),
+        (["evaluate", "none.yaml", "--viewpoints", "s.csv", "-o", "t.xlsx"], "a suffix of .csv, .parquet, .zarr"),
         (["plan", "none.yaml", "-o", "box.stl"], "there is a file in its place"),
         (["plan", "none.yaml", "-o", "box.stl/out"], "there is a file in its place"),
-        (["evaluate", "none.yaml", "--settings", "s.csv", "-o", "box.stl/t.csv"], "there is a file in its place"),
+        (["evaluate", "none.yaml", "--viewpoints", "s.csv", "-o", "box.stl/t.csv"], "there is a file in its place"),
     ],
 )
 def test_bad_arguments(capsys, arguments, telling):
@@ -386,7 +391,7 @@ def test_an_output_folder_without_permission(capsys, monkeypatch):
 def test_a_failure_leaves_an_older_plan_as_it_was(capsys):
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 0
     before = {p.name: p.read_bytes() for p in Path("out").iterdir()}
-    write(head="{translation: -1 mm, rotation: 0.02 deg}")
+    write(pose_error="{translation: -1 mm, rotation: 0.02 deg}")
     capsys.readouterr()
     refused(capsys, "plan", "inspection.yaml", "-o", "out")
     assert {p.name: p.read_bytes() for p in Path("out").iterdir()} == before
@@ -404,7 +409,8 @@ def test_errors_as_json(capsys):
     assert error["expected"]
 
 
-# --- many settings, many processes ------------------------------------------------------------------------------------
+# --- many viewpoints, many processes
+# ------------------------------------------------------------------------------------
 
 
 def plan(*options):
@@ -412,7 +418,7 @@ def plan(*options):
 
 
 def evaluate(*options):
-    return ["evaluate", "inspection.yaml", "--settings", "s.csv", *options]
+    return ["evaluate", "inspection.yaml", "--viewpoints", "s.csv", *options]
 
 
 def sampled(*options):
@@ -480,7 +486,7 @@ def test_a_table_in_place_of_a_file(capsys):
 
 
 def test_nothing_measurable_to_sample_for(capsys):
-    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: [-0.1, 0.2] mm", "")
+    part = SECTIONS["part"].replace("\n      tolerance: 0.1 mm", "").replace("\n      tolerance: '[-0.1, 0.2] mm'", "")
     write(part=part, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}")
     assert "see viewgauge check" in refused(capsys, *sampled("-o", "t.csv"))
     assert sorted(os.listdir()) == ["box.stl", "inspection.yaml"]
@@ -491,9 +497,9 @@ def test_sampled_evaluates_what_a_plan_would_choose_from(capsys):
     planned = json.loads(capsys.readouterr().out)
     assert main([*sampled("--chunk", "50", "--json")]) == 0
     judged = json.loads(capsys.readouterr().out)
-    assert judged["settings"] == planned["candidates"]
-    for dimension in planned["dimensions"]:
-        assert judged["best"][dimension["id"]]["probability"] >= dimension["probability"] - 1e-12
+    assert judged["viewpoints"] == planned["candidates"]
+    for characteristic in planned["characteristics"]:
+        assert judged["best"][characteristic["id"]]["probability"] >= characteristic["probability"] - 1e-12
 
 
 @pytest.mark.parametrize("command", ["evaluate", "plan"])

@@ -22,7 +22,7 @@ def planned(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("what", "told"),
+    ("what", "reported"),
     [
         ("scene", "scatter3d"),
         ("table", "heatmap"),
@@ -32,13 +32,13 @@ def planned(folder, capsys):
         ("directions", "from all directions"),
     ],
 )
-def test_each_picture_is_a_page_that_needs_nothing(capsys, what, told):
+def test_each_picture_is_a_page_that_needs_nothing(capsys, what, reported):
     assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", what]) == 0
     assert capsys.readouterr().out == "written to out.html\n"
     page = Path("out.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in page
     chart = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1])
-    assert told in json.dumps(chart, ensure_ascii=False)
+    assert reported in json.dumps(chart, ensure_ascii=False)
 
 
 @pytest.mark.parametrize("what", ["scene", "table", "budget", "laws", "accuracy", "directions"])
@@ -47,31 +47,36 @@ def test_each_can_be_dark(what):
     assert '"paper_bgcolor":"#12181f"' in Path("out.html").read_text(encoding="utf-8")
 
 
-def test_a_dimension_can_be_named():
-    assert main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", "laws", "--dimension", "heel"]) == 0
+def test_a_characteristic_can_be_named():
+    assert (
+        main(["plot", "inspection.yaml", "plan", "-o", "out.html", "--what", "laws", "--characteristic", "heel"]) == 0
+    )
     assert "Error of heel" in Path("out.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["-o", "out.png"], "expected: .html"),
-        (["-o", "out.html", "--what", "laws", "--dimension", "toe"], "expected: heel, width|expected: width, heel"),
-        (["-o", "out.html", "--what", "budget", "--dimension", "heel"], "of all dimensions"),
+        (
+            ["-o", "out.html", "--what", "laws", "--characteristic", "toe"],
+            "expected: heel, width|expected: width, heel",
+        ),
+        (["-o", "out.html", "--what", "budget", "--characteristic", "heel"], "of all characteristics"),
     ],
 )
-def test_mistakes_are_told(capsys, arguments, told):
-    assert re.search(told, refused(capsys, "plot", "inspection.yaml", "plan", *arguments))
+def test_mistakes_are_reported(capsys, arguments, reported):
+    assert re.search(reported, refused(capsys, "plot", "inspection.yaml", "plan", *arguments))
 
 
 def test_the_plan_of_another_inspection_is_refused(capsys):
     write(
         part="""
   file: box.stl
-  dimensions:
+  characteristics:
     - id: other
-      start: [0, 0, 40] mm
-      end: [80, 0, 40] mm
+      points: [[0, 0, 40], [80, 0, 40]]
+      unit: mm
       tolerance: 0.1 mm"""
     )
     assert "of another part" in refused(capsys, "plot", "inspection.yaml", "plan", "-o", "out.html")

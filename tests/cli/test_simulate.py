@@ -15,20 +15,20 @@ from viewgauge.cli import main
 cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
 pytestmark = pytest.mark.usefixtures("small")
 
-SETTINGS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\nbeside,40,-20,330,0,1,0,0\n"
+VIEWPOINTS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\nbeside,40,-20,330,0,1,0,0\n"
 SMALL = SECTIONS["camera"].replace("[2448, 2048]", "[480, 360]").replace("3.45 um", "17 um")
 
 
 @pytest.fixture
 def small(folder):
-    """A camera of few pixels, and two settings."""
+    """A camera of few pixels, and two viewpoints."""
     write(camera=SMALL)
-    Path("s.csv").write_text(SETTINGS)
+    Path("s.csv").write_text(VIEWPOINTS)
     return folder
 
 
 def simulated(capsys, *options, code=0):
-    assert main(["simulate", "inspection.yaml", "--settings", "s.csv", "-o", "images", *options]) == code
+    assert main(["simulate", "inspection.yaml", "--viewpoints", "s.csv", "-o", "images", *options]) == code
     out, err = capsys.readouterr()
     assert err == ""
     return out
@@ -39,8 +39,8 @@ def grey(name):
 
 
 def test_images_and_the_truth_beside_them(capsys):
-    assert "4 images written to images" in simulated(capsys, "--looks", "2")
-    with Path("images/looks.csv").open() as file:
+    assert "4 images written to images" in simulated(capsys, "--repeats", "2")
+    with Path("images/acquisitions.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [r["image"] for r in rows] == [f"{s}_{k:04d}.png" for s in ("above", "beside") for k in (1, 2)]
     assert grey("above_0001.png").shape == (360, 480)
@@ -49,7 +49,7 @@ def test_images_and_the_truth_beside_them(capsys):
     position = np.array([[float(r[axis]) for axis in "xyz"] for r in rows])
     assert 0 < np.abs(position[:2] - [40, 0, 350]).max() < 1, "displaced by tenths of a millimetre"
     about = json.loads(Path("images/simulation.json").read_text())
-    assert about["looks"] == 2
+    assert about["acquisitions"] == 2
     assert about["sensor"]["bits"] == 8
 
 
@@ -67,12 +67,12 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(capsys):
 def test_what_was_stopped_goes_on_and_another_simulation_is_refused(capsys):
     simulated(capsys)
     kept, gone = Path("images/above_0001.png"), Path("images/beside_0001.png")
-    told, stamp = gone.read_bytes(), kept.stat().st_mtime_ns
+    reported, stamp = gone.read_bytes(), kept.stat().st_mtime_ns
     gone.unlink()
     simulated(capsys)
-    assert gone.read_bytes() == told
+    assert gone.read_bytes() == reported
     assert kept.stat().st_mtime_ns == stamp
-    err = refused(capsys, "simulate", "inspection.yaml", "--settings", "s.csv", "-o", "images", "--noise", "0.1")
+    err = refused(capsys, "simulate", "inspection.yaml", "--viewpoints", "s.csv", "-o", "images", "--noise", "0.1")
     assert "images of another simulation" in err
 
 
@@ -89,23 +89,23 @@ def test_twelve_bits_and_black_and_white(capsys):
 @pytest.mark.parametrize(
     ("options", "telling"),
     [
-        (["--looks", "0"], "from 1 on"),
+        (["--repeats", "0"], "from 1 on"),
         (["--bits", "10"], "8 or 12"),
         (["--blur", "-1"], "not negative"),
         (["--noise", "nan"], "finite"),
         (["--rays", "30"], "no lattice"),
         (["--seed", "-1"], "seed"),
-        (["--settings", "none.csv"], "does not exist"),
+        (["--viewpoints", "none.csv"], "does not exist"),
     ],
 )
 def test_bad_numbers(capsys, options, telling):
-    given = ["--settings", "s.csv"] if "--settings" not in options else []
+    given = ["--viewpoints", "s.csv"] if "--viewpoints" not in options else []
     assert telling in refused(capsys, "simulate", "inspection.yaml", *given, "-o", "images", *options)
     assert not Path("images").exists()
 
 
-def test_without_settings_it_says_where_to_give_them(capsys):
-    assert "settings file" in refused(capsys, "simulate", "inspection.yaml", "-o", "images")
+def test_without_viewpoints_it_says_where_to_give_them(capsys):
+    assert "viewpoints file" in refused(capsys, "simulate", "inspection.yaml", "-o", "images")
 
 
 def test_only_what_is_looked_at(capsys):
@@ -120,8 +120,8 @@ def test_only_what_is_looked_at(capsys):
     # a measurement finds the edges there that it finds in the whole image; grey values are those but for noise
     inside = part > 0
     assert np.abs(part[inside].astype(int) - whole[inside]).mean() < 8
-    assert "no such dimension" in refused(
-        capsys, "simulate", "inspection.yaml", "--settings", "s.csv", "-o", "other", "--only", "depth"
+    assert "no such characteristic" in refused(
+        capsys, "simulate", "inspection.yaml", "--viewpoints", "s.csv", "-o", "other", "--only", "depth"
     )
 
 
@@ -129,8 +129,8 @@ def test_an_uncertain_calibration_is_drawn_once_for_all_images(capsys):
     simulated(capsys)
     nominal = json.loads(Path("images/simulation.json").read_text())["true_camera"]
     Path("images").rename("nominal")
-    uncertainty = "calibration_uncertainty: {focal_length: 5 px, principal_point: 3 px}, edge_resolution"
-    write(camera=SMALL.replace("edge_resolution", uncertainty))
+    uncertainty = "calibration_uncertainty: {focal_length: 5 px, principal_point: 3 px}, edge_detector"
+    write(camera=SMALL.replace("edge_detector", uncertainty))
     simulated(capsys)
     true = json.loads(Path("images/simulation.json").read_text())["true_camera"]
     off = np.array(true["focal_length_px"]) - nominal["focal_length_px"]

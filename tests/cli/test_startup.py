@@ -10,13 +10,13 @@ import pytest
 
 BOX = """part:
   file: box.stl
-  dimensions:
-    - {id: width, start: "[0, 0, 40] mm", end: "[80, 0, 40] mm", tolerance: 0.1 mm}
+  characteristics:
+    - {id: width, points: [[0, 0, 40], [80, 0, 40]], unit: mm, tolerance: 0.1 mm}
 camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
-head: {translation: 0.1 mm, rotation: 0.02 deg}
+pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
 requirement: {accuracy: 0.9, probability: 0.5}
 """
-SETTINGS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\n"
+VIEWPOINTS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\n"
 STEP = "ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n"
 HEAVY = {"numpy", "scipy", "numba", "xarray", "pandas", "trimesh", "pydantic", "pint", "ruamel.yaml", "OCP", "plotly"}
 
@@ -28,7 +28,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export("box.stl")
     Path("inspection.yaml").write_text(BOX)
-    Path("settings.csv").write_text(SETTINGS)
+    Path("viewpoints.csv").write_text(VIEWPOINTS)
 
 
 def loaded(code: str) -> set[str]:
@@ -64,7 +64,7 @@ def test_check_of_a_mesh_loads_no_kernel_no_report_and_no_simulation():
 
 
 def test_evaluate_loads_no_kernel_no_report_and_no_statistics():
-    modules = after("evaluate", "inspection.yaml", "--settings", "settings.csv", "-o", "table.csv")
+    modules = after("evaluate", "inspection.yaml", "--viewpoints", "viewpoints.csv", "-o", "table.csv")
     assert "numba" in modules
     assert not modules & {"OCP", "plotly", "scipy.stats", "viewgauge.report", "viewgauge.formats.step.kernel"}
 

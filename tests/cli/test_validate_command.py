@@ -18,7 +18,7 @@ SMALL = SECTIONS["camera"].replace("[2448, 2048]", "[800, 600]").replace("3.45 u
 
 @pytest.fixture
 def small(folder):
-    """A camera of few pixels, and a setting that sees the box's top and front."""
+    """A camera of few pixels, and a viewpoint that sees the box's top and front."""
     import numpy as np
 
     from viewgauge.geometry import look_at, quaternion_from_pose
@@ -30,39 +30,41 @@ def small(folder):
     return folder
 
 
-def test_shares_and_limits_are_told(capsys):
-    code = main(["validate", "inspection.yaml", "--settings", "s.csv", "--looks", "25", "-o", "pairs.csv"])
+def test_shares_and_limits_are_reported(capsys):
+    code = main(["validate", "inspection.yaml", "--viewpoints", "s.csv", "--repeats", "25", "-o", "pairs.csv"])
     out, err = capsys.readouterr()
     assert err == ""
-    assert "sub-pixel edges: 25 looks from 1 setting" in out
+    assert "sub-pixel edges: 25 looks from 1 viewpoint" in out
     assert "inside the 95 % interval:" in out
     assert "written to pairs.csv" in out
     assert code == (1 if "NOT as predicted" in out else 0)
     with Path("pairs.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert {row["setting"] for row in rows} == {"tilted"}
+    assert {row["viewpoint"] for row in rows} == {"tilted"}
 
 
 def test_json_of_both_ways(capsys):
-    code = main(["validate", "inspection.yaml", "--settings", "s.csv", "--looks", "20", "--edges", "both", "--json"])
+    code = main(
+        ["validate", "inspection.yaml", "--viewpoints", "s.csv", "--repeats", "20", "--edges", "both", "--json"]
+    )
     document = json.loads(capsys.readouterr().out)
     assert [one["edges"] for one in document] == ["sub-pixel", "whole-pixel"]
     holds = [level["holds"] for one in document for level in one["coverage"]]
     assert code == (0 if all(holds) else 1)
     for one in document:
-        assert one["coverage"][1]["looks"] + one["drawn_unmeasured"] == 20
+        assert one["coverage"][1]["acquisitions"] + one["drawn_unmeasured"] == 20
 
 
 def test_where_nothing_is_seen_nothing_is_confirmed(capsys):
     Path("s.csv").write_text("id,x,y,z,qw,qx,qy,qz\naway,40,0,350,1,0,0,0\n")
-    assert main(["validate", "inspection.yaml", "--settings", "s.csv", "--looks", "5"]) == 1
+    assert main(["validate", "inspection.yaml", "--viewpoints", "s.csv", "--repeats", "5"]) == 1
     assert "nothing could be measured" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("options", "telling"),
     [
-        (("--looks", "0"), "looks"),
+        (("--repeats", "0"), "repeats"),
         (("--sample", "0"), "sample"),
         (("--noise", "-1"), "noise"),
         (("--blur", "nan"), "blur"),
@@ -70,9 +72,9 @@ def test_where_nothing_is_seen_nothing_is_confirmed(capsys):
         (("--rays", "30"), "rays"),
         (("--edges", "fine"), "edges"),
         (("--chord-error", "-1"), "chord_error"),
-        (("--settings", "none.csv"), "none.csv"),
+        (("--viewpoints", "none.csv"), "none.csv"),
     ],
 )
-def test_bad_numbers_are_told(capsys, options, telling):
-    given = ("--settings", "s.csv") if options[0] != "--settings" else ()
+def test_bad_numbers_are_reported(capsys, options, telling):
+    given = ("--viewpoints", "s.csv") if options[0] != "--viewpoints" else ()
     assert telling in refused(capsys, "validate", "inspection.yaml", *given, *options)

@@ -22,29 +22,29 @@ pytestmark = pytest.mark.usefixtures("folder")
 
 BOX = """
   file: box.stl
-  dimensions:
+  characteristics:
     - id: other
-      start: [0, 0, 40] mm
-      end: [80, 0, 40] mm
+      points: [[0, 0, 40], [80, 0, 40]]
+      unit: mm
       tolerance: 0.1 mm"""
 
 
-def test_a_missing_inspection_is_told(capsys):
+def test_a_missing_inspection_is_reported(capsys):
     assert "does not exist" in refused(capsys, "workbench", "nowhere.yaml")
 
 
-def test_a_missing_plan_is_told(capsys):
+def test_a_missing_plan_is_reported(capsys):
     assert "nowhere" in refused(capsys, "workbench", "inspection.yaml", "--plan", "nowhere")
 
 
-def test_the_plan_of_another_inspection_is_told(capsys):
+def test_the_plan_of_another_inspection_is_reported(capsys):
     assert main(["plan", "inspection.yaml", "-o", "plan", "--no-refine", "--no-prove"]) == 0
     capsys.readouterr()
     write(part=BOX)
     assert "of another part" in refused(capsys, "workbench", "inspection.yaml", "--plan", "plan")
 
 
-def test_a_port_that_is_taken_is_told(capsys):
+def test_a_port_that_is_taken_is_reported(capsys):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -53,7 +53,7 @@ def test_a_port_that_is_taken_is_told(capsys):
 
 
 @pytest.mark.parametrize("port", ["70000", "-1", "1.5", "http"])
-def test_what_is_no_port_is_told(capsys, port):
+def test_what_is_no_port_is_reported(capsys, port):
     assert main(["workbench", "inspection.yaml", "--port", port]) == 2
     assert "Traceback" not in capsys.readouterr().err
 

@@ -1,4 +1,4 @@
-"""The law of the mean of several looks against sums of differences in high precision, and against other laws."""
+"""The law of the mean of several viewpoints against sums of differences in high precision, and against other laws."""
 
 import math
 
@@ -83,7 +83,7 @@ def test_widths_of_very_different_size(sigma, widths):
 @settings(max_examples=200, deadline=None)
 @given(positions(), scales(), scales(), scales(), angles())
 @example(0.0, 0.0, 0.0, 0.0, 0.3)
-def test_one_look_is_the_total_error(position, sigma, width, height, angle):
+def test_one_acquisition_is_the_total_error(position, sigma, width, height, angle):
     total = TotalError(sigma, (width, height), angle)
     widths = [float(total.quantization.half_width_u), float(total.quantization.half_width_v)]
     x = position * float(total.std())

@@ -43,8 +43,8 @@ def test_zeta_xi_chi_are_the_exact_error_of_the_image_point(point, twist):
 
 @settings(deadline=None)
 @given(points_in_front(), pose_covariances(), rigid_poses())
-def test_first_order_is_the_image_jacobian(point, covariance, T_camera_head):
-    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
+def test_first_order_is_the_image_jacobian(point, covariance, T_camera_frame):
+    error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     law = PointDisplacement(point, F, error.camera_covariance)
     J = point_jacobian(point, F)
     np.testing.assert_allclose(law.jacobian, J, rtol=1e-13, atol=1e-13 * np.abs(J).max())

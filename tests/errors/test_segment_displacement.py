@@ -215,7 +215,7 @@ def test_no_error_at_all_is_a_step():
 # --- where the series has no answer -------------------------------------------------------------------------
 
 
-def test_a_denominator_near_zero_is_told_and_not_guessed():
+def test_a_denominator_near_zero_is_reported_and_not_guessed():
     laws = IndependentTotalError(
         [NormalRatio(1.0, [0.0, 0.14, 0.142, 1.0, 1.0], 0.5, [1.0, 1, 1, 1, 0])], [1.0], 1.0, 0.3
     )
@@ -228,7 +228,7 @@ def test_a_denominator_near_zero_is_told_and_not_guessed():
 
 
 @pytest.mark.parametrize("eps", [0.125, 0.13, 0.14])
-def test_a_series_that_does_not_converge_is_told(eps):
+def test_a_series_that_does_not_converge_is_reported(eps):
     # fully correlated, one ratio, no pixels: the worst case; either right or told
     ratio = NormalRatio(1.0, eps, 1.0, 1.0)
     law = IndependentTotalError([ratio], [1.0], 0.0, 0.0)

@@ -13,9 +13,9 @@ from viewgauge.evaluation import BestRows, TableBlock
 from viewgauge.visibility import REASONS, VISIBLE
 
 
-def table(rng, settings, dimensions):
+def table(rng, viewpoints, characteristics):
     """Few different values, so that many are equal; what is not visible has none."""
-    shape = (settings, dimensions)
+    shape = (viewpoints, characteristics)
     reason = rng.integers(VISIBLE - 1, VISIBLE + 1, shape).astype(np.int8)
     seen = reason == VISIBLE
     real = {f.name: rng.integers(0, 3, shape) / 2.0 for f in fields(TableBlock)}
@@ -26,7 +26,7 @@ def table(rng, settings, dimensions):
             "probability": np.where(seen, real["probability"], 0.0),
             "expected_accuracy": np.where(seen, real["expected_accuracy"], 0.0),
             "sigma_displacement_px": np.where(seen, real["sigma_displacement_px"], np.nan),
-            "gauge": rng.integers(0, 5, shape).astype(np.int32),
+            "measurand": rng.integers(0, 5, shape).astype(np.int32),
             "validity": rng.integers(0, 3, shape).astype(np.int8),
         }
     )
@@ -43,15 +43,15 @@ def assert_same(a, b):
 
 @given(
     seed=st.integers(0, 2**32 - 1),
-    settings=st.integers(1, 12),
-    dimensions=st.integers(0, 4),
+    viewpoints=st.integers(1, 12),
+    characteristics=st.integers(0, 4),
     data=st.data(),
 )
-def test_merged_in_any_order_and_grouping_it_is_that_of_the_whole(seed, settings, dimensions, data):
-    block = table(np.random.default_rng(seed), settings, dimensions)
-    whole = BestRows.of(block, np.arange(settings))
-    cuts = sorted(data.draw(st.lists(st.integers(0, settings), max_size=6)))  # equal cuts: empty parts
-    bounds = zip([0, *cuts], [*cuts, settings], strict=True)
+def test_merged_in_any_order_and_grouping_it_is_that_of_the_whole(seed, viewpoints, characteristics, data):
+    block = table(np.random.default_rng(seed), viewpoints, characteristics)
+    whole = BestRows.of(block, np.arange(viewpoints))
+    cuts = sorted(data.draw(st.lists(st.integers(0, viewpoints), max_size=6)))  # equal cuts: empty parts
+    bounds = zip([0, *cuts], [*cuts, viewpoints], strict=True)
     parts = [BestRows.of(rows(block, slice(a, b)), np.arange(a, b)) for a, b in bounds]
     parts = data.draw(st.permutations(parts))
     split = data.draw(st.integers(0, len(parts)))
@@ -60,17 +60,17 @@ def test_merged_in_any_order_and_grouping_it_is_that_of_the_whole(seed, settings
     assert_same(BestRows.from_arrays(whole.arrays()), whole)
 
 
-@given(seed=st.integers(0, 2**32 - 1), settings=st.integers(1, 12))
-def test_the_best_row_is_the_one_a_sort_finds(seed, settings):
-    block = table(np.random.default_rng(seed), settings, 3)
-    best = BestRows.of(block, np.arange(100, 100 + settings))
+@given(seed=st.integers(0, 2**32 - 1), viewpoints=st.integers(1, 12))
+def test_the_best_row_is_the_one_a_sort_finds(seed, viewpoints):
+    block = table(np.random.default_rng(seed), viewpoints, 3)
+    best = BestRows.of(block, np.arange(100, 100 + viewpoints))
     for j in range(3):
         order = sorted(
-            range(settings),
+            range(viewpoints),
             key=lambda k: (not block.visible[k, j], -block.probability[k, j], -block.expected_accuracy[k, j], k),
         )
-        assert best.setting[j] == 100 + order[0]
-        assert best.values.gauge[j] == block.gauge[order[0], j]
+        assert best.viewpoint[j] == 100 + order[0]
+        assert best.values.measurand[j] == block.measurand[order[0], j]
         for code in range(len(REASONS)):
             assert best.counts[j, code] == (block.reason[:, j] == code).sum()
 
@@ -78,6 +78,6 @@ def test_the_best_row_is_the_one_a_sort_finds(seed, settings):
 def test_of_nothing():
     block = table(np.random.default_rng(0), 0, 3)
     nothing = BestRows.of(block, np.arange(0))
-    assert nothing.setting.tolist() == [-1, -1, -1]
+    assert nothing.viewpoint.tolist() == [-1, -1, -1]
     assert not nothing.counts.any()
     assert_same(nothing.merged(nothing), nothing)

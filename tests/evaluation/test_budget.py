@@ -1,4 +1,4 @@
-"""The error budget against Sobol indices and draws of the exact camera, which share no formula with it."""
+"""The error budget against Sobol indices and draws of the full camera model, which share no formula with it."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ SETUPS = {
 }
 
 
-def head_of(deviations, place):
+def pose_error_of(deviations, place):
     T = None if place is None else look_at(place, [0.0, 0, 300], 0.7)
-    return PoseError(np.diag(np.square(deviations)), T_camera_head=T)
+    return PoseError(np.diag(np.square(deviations)), T_camera_frame=T)
 
 
 def drawn(error, n, rng):
@@ -36,14 +36,14 @@ def drawn(error, n, rng):
 
 
 @pytest.mark.parametrize("setup", SETUPS.values(), ids=SETUPS.keys())
-def test_the_shares_are_the_sobol_indices_of_the_exact_camera(setup):
+def test_the_shares_are_the_sobol_indices_of_the_full_camera(setup):
     """First-order indices (Saltelli) of 8 x 2^14 evaluations; the interval is OpenTURNS' own at 1 - 1e-4.
 
-    24 intervals: a false alarm in 1 of 400 runs, were the seed not fixed. 2e-3 more for what the exact camera has
+    24 intervals: a false alarm in 1 of 400 runs, were the seed not fixed. 2e-3 more for what the full camera model has
     beyond first order.
     """
     start, end, deviations, place = setup
-    error, points = head_of(deviations, place), np.array([start, end])
+    error, points = pose_error_of(deviations, place), np.array([start, end])
     budget = error_budget(start, end, CAMERA, error, 0.001)
 
     def length(sample):
@@ -78,7 +78,7 @@ def correlated() -> PoseError:
 
 
 def test_the_shares_of_correlated_errors_are_those_of_a_regression_on_draws():
-    """Least squares of the exact camera's errors on the drawn sources; then covariances of the terms with the sum.
+    """Least squares of the full camera model's errors on the drawn sources; then covariances of the terms with the sum.
 
     10^6 draws: a coefficient is off by under 1e-3 of the sum's deviation, a share (at most 2 in size here) by 4e-3.
     """
@@ -128,7 +128,7 @@ def test_without_a_source_the_probability_is_that_of_draws_without_it():
 @given(points_in_front(), points_in_front(), pose_covariances(), rigid_poses(), st.sampled_from([0.0, 0.1, 1.0]))
 def test_it_adds_up_and_agrees_with_the_joint_model(start, end, covariance, T, resolution):
     camera = Camera(16.0, (0.00345, 0.005), (2448, 2048), edge_resolution_px=resolution)
-    error = PoseError(covariance, T_camera_head=T)
+    error = PoseError(covariance, T_camera_frame=T)
     budget = error_budget(start, end, camera, error, 0.001)
     image = image_segment(start, end, camera, error)
     if not image.length_mm > 1e-100:  # end-on, or as good as
@@ -160,9 +160,10 @@ def test_behind_the_camera_there_is_no_budget_and_segments_may_be_many():
     assert budget.group_share["pose"][0] + budget.group_share["pixels"][0] == pytest.approx(1)
 
 
-# --- the mean of several looks --------------------------------------------------------------------------------------
+# --- the mean of several viewpoints
+# --------------------------------------------------------------------------------------
 
-LOOKS = np.array(
+ACQUISITIONS = np.array(
     [
         [[-30.0, -40, 380], [25.0, 30, 440]],
         [[30.0, -20, 420], [-40.0, 25, 400]],
@@ -178,24 +179,24 @@ def shared() -> PoseError:
 
 
 def variance_of_mean(error, sources):
-    """Of the mean's error, mm², by 200,000 draws of the exact camera in which all other sources are zero."""
+    """Of the mean's error, mm², by 200,000 draws of the full camera model in which all other sources are zero."""
     rng, n = np.random.default_rng(5), 200_000
     kept = np.isin(np.arange(8), sources)
     factor = np.linalg.cholesky(error.repeatability_covariance + 1e-30 * np.eye(6))
     common = rng.standard_normal((n, 6)) * np.sqrt(error.common_covariance.diagonal())
     mean = np.zeros(n)
-    for points in LOOKS:
+    for points in ACQUISITIONS:
         twist = (common + rng.standard_normal((n, 6)) @ factor.T) * kept[:6]
         pixels = (rng.random((n, 2)) - rng.random((n, 2))) * kept[6:]
         on_part = np.linalg.norm(points[1] - points[0]) / nominal_length(points, CAMERA)
-        mean += exact_length_errors(points, CAMERA, error, twist, pixels) * on_part / len(LOOKS)
+        mean += exact_length_errors(points, CAMERA, error, twist, pixels) * on_part / len(ACQUISITIONS)
     return mean.var()
 
 
 def test_each_source_of_a_mean_alone_varies_it_by_its_share():
     """A variance of 200,000 draws is off by 0.3 % (one sigma); 2 %, seeds fixed."""
     error = shared()
-    budget = averaged_error_budget(LOOKS, CAMERA, error, 0.05)
+    budget = averaged_error_budget(ACQUISITIONS, CAMERA, error, 0.05)
     combined = float(budget.combined_uncertainty_mm) ** 2
     for source in range(8):
         expected = float(budget.own_share[source]) * combined
@@ -205,12 +206,12 @@ def test_each_source_of_a_mean_alone_varies_it_by_its_share():
 
 def test_a_mean_s_budget_adds_up_and_its_probabilities_are_the_law_s():
     error = shared()
-    budget = averaged_error_budget(LOOKS, CAMERA, error, 0.05)
+    budget = averaged_error_budget(ACQUISITIONS, CAMERA, error, 0.05)
     assert budget.share.sum() == pytest.approx(1, abs=1e-12)
-    assert float(budget.probability) == pytest.approx(averaged_success_probability(LOOKS, CAMERA, error, 0.05))
+    assert float(budget.probability) == pytest.approx(averaged_success_probability(ACQUISITIONS, CAMERA, error, 0.05))
     still = PoseError(np.zeros((6, 6)), pivot_mm=(5, 0, -40), common_covariance=np.zeros((6, 6)))
-    without_head = averaged_success_probability(LOOKS, CAMERA, still, 0.05)
-    assert float(budget.group_probability_without["pose"]) == pytest.approx(without_head)
+    without_pose_error = averaged_success_probability(ACQUISITIONS, CAMERA, still, 0.05)
+    assert float(budget.group_probability_without["pose"]) == pytest.approx(without_pose_error)
     assert (budget.contribution_mm**2).sum() / float(budget.combined_uncertainty_mm) ** 2 == pytest.approx(
         budget.own_share.sum()
     )

@@ -17,7 +17,7 @@ from viewgauge.evaluation.requirement.capability_indices import (
     spread_for_percent_p_to_t,
 )
 
-# Gauge R&R of tablet thickness by ss.rr of the R package SixSigma, lsl 1775, usl 1825 um, as printed in
+# Measurand R&R of tablet thickness by ss.rr of the R package SixSigma, lsl 1775, usl 1825 um, as printed in
 # J. Ramalho, "industRial data science", chapter Measurement System Analysis, "Negative variance": StdDev, %Tolerance.
 # Four digits are printed.
 SIXSIGMA = [(1.27773, 15.33), (1.25137, 15.02), (0.25823, 3.10), (3.07390, 36.89), (3.32888, 39.95)]

@@ -59,7 +59,7 @@ def test_a_capability_says_nothing_without_a_tolerance(kind):
     assert "no width" in requirement.cannot_judge((0.0, 0.0))
 
 
-def test_a_bias_that_is_too_large_for_a_tolerance_is_told():
+def test_a_bias_that_is_too_large_for_a_tolerance_is_reported():
     requirement = CapabilityRequirement("cgk", 1.33, bias_mm=0.02)
     assert requirement.allowed_error_mm(60.0, (-0.05, 0.05)) is None
     reason = requirement.cannot_judge((-0.05, 0.05))
@@ -189,7 +189,7 @@ def test_no_smaller_uncertainty_has_a_risk_over_its_limit(s, offset, multiplier,
         assert risks.producer <= producer * (1 + 1e-9)
 
 
-def test_risks_that_any_measurement_keeps_are_told():
+def test_risks_that_any_measurement_keeps_are_reported():
     requirement = ConformanceRequirement("simple", Process(capability=1.67), consumer_risk=0.01)
     assert requirement.allowed_error_mm(60.0, (-0.1, 0.1)) is None
     assert "limit the producer's risk too" in requirement.cannot_judge((-0.1, 0.1))

@@ -56,7 +56,7 @@ def test_image_lengths_equal_the_reference(reference):
 
 
 @pytest.mark.parametrize(("kind", "tolerance"), [("typical", 2e-4), ("wide", 2e-4), ("harsh", 1.2e-3)])
-def test_joint_probability_agrees_with_the_exact_camera(reference, kind, tolerance):
+def test_joint_probability_agrees_with_the_full_camera(reference, kind, tolerance):
     # Source: p_joint_exact (true rotations, euclidean length, quasi-Monte Carlo), 3 standard errors allowed for it.
     # Tolerances of issue 2: what the first order leaves out; measured 1.4e-4, 1.6e-4 and 9.0e-4.
     rows = [row for row in reference if row["kind"] == kind]
@@ -75,12 +75,12 @@ def test_independent_probability_agrees_with_the_papers_model(reference):
 # --- displacement against brute force -----------------------------------------------------------------------
 
 
-def moved_image(point, twist, T_camera_head):
-    """Image of a point after the true motion Trans(d) Rot_x Rot_y Rot_z in the head frame (eq. 6)."""
+def moved_image(point, twist, T_camera_frame):
+    """Image of a point after the true motion Trans(d) Rot_x Rot_y Rot_z in the pose error frame (eq. 6)."""
     motion = np.eye(4)
     motion[:3, :3] = Rotation.from_euler("XYZ", twist[3:]).as_matrix()
     motion[:3, 3] = twist[:3]
-    p = T_camera_head @ motion @ np.linalg.solve(T_camera_head, [*point, 1])
+    p = T_camera_frame @ motion @ np.linalg.solve(T_camera_frame, [*point, 1])
     return CAMERA.focal_length_mm * p[:2] / p[2]
 
 
@@ -92,27 +92,27 @@ def gradient(function):
 
 @settings(max_examples=50, deadline=None)
 @given(pose_covariances(), rigid_poses())
-def test_joint_sigma_is_the_spread_of_the_true_length(covariance, T_camera_head):
+def test_joint_sigma_is_the_spread_of_the_true_length(covariance, T_camera_frame):
     def length(twist):
-        delta = moved_image(END, twist, T_camera_head) - moved_image(START, twist, T_camera_head)
+        delta = moved_image(END, twist, T_camera_frame) - moved_image(START, twist, T_camera_frame)
         return math.hypot(*delta)
 
     slope = gradient(length)
     expected = math.sqrt(max(slope @ covariance @ slope, 0))
-    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
+    error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     # an error that hardly matters to the length leaves rounding of the lever arms behind
     assert image_segment(START, END, CAMERA, error).sigma_displacement_mm == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 @settings(max_examples=50, deadline=None)
 @given(pose_covariances(), rigid_poses())
-def test_independent_sigma_adds_the_four_coordinates(covariance, T_camera_head):
-    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
+def test_independent_sigma_adds_the_four_coordinates(covariance, T_camera_frame):
+    error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     segment = image_segment(START, END, CAMERA, error, "independent")
     along = np.array([math.cos(segment.angle_rad), math.sin(segment.angle_rad)])
     variance = 0.0
     for point in (START, END):
-        slopes = gradient(lambda twist, point=point: moved_image(point, twist, T_camera_head))
+        slopes = gradient(lambda twist, point=point: moved_image(point, twist, T_camera_frame))
         variance += sum(along[k] ** 2 * slopes[:, k] @ covariance @ slopes[:, k] for k in (0, 1))
     assert segment.sigma_displacement_mm == pytest.approx(math.sqrt(variance), rel=1e-6, abs=1e-9)
 
@@ -179,8 +179,8 @@ tolerances = st.one_of(st.sampled_from([0.0, 1e-12, 1.0, 1e6]), st.floats(1e-5, 
 
 @settings(deadline=None)
 @given(points_in_front(), points_in_front(), pose_covariances(), rigid_poses(), tolerances, st.sampled_from(METHODS))
-def test_it_is_a_probability_and_the_ends_can_be_swapped(start, end, covariance, T_camera_head, tolerance, method):
-    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
+def test_it_is_a_probability_and_the_ends_can_be_swapped(start, end, covariance, T_camera_frame, tolerance, method):
+    error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     p = success_probability(start, end, CAMERA, error, tolerance, method)
     assert 0 <= p <= 1
     rounding = 1e-13 if method == "joint" else 1e-9  # the independent law is a series, good to 1e-9
@@ -202,7 +202,7 @@ def test_quarter_turns_of_the_camera_do_not_matter(start, end, tolerance, method
 
 @settings(deadline=None)
 @given(points_in_front(), points_in_front(), st.floats(-4, 4), tolerances)
-def test_no_turn_matters_to_an_ideal_locator(start, end, roll, tolerance):
+def test_no_turn_matters_to_an_ideal_edge_detector(start, end, roll, tolerance):
     assume(apart_in_the_image(start, end))
     assume(image_segment(start, end, IDEAL, ERROR).sigma_displacement_mm > 1e-9)
     turn = Rotation.from_euler("z", roll).as_matrix()
@@ -240,7 +240,7 @@ def test_more_pose_error_or_coarser_pixels_make_it_less_sure():
 # --- degenerate cases ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("camera", [CAMERA, IDEAL], ids=["whole pixels", "ideal locator"])
+@pytest.mark.parametrize("camera", [CAMERA, IDEAL], ids=["whole pixels", "ideal edge detector"])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_segment_not_wholly_in_front_has_probability_zero_and_no_image(camera, method):
     starts = np.array([[0, 0, 500.0], [0, 0, 0], [0, 0, -500], [0, 0, 500]])

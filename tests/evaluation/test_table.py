@@ -1,4 +1,4 @@
-"""The table setting x dimension: its contract, the best gauge, and values worked out by hand."""
+"""The table viewpoint x characteristic: its contract, the best measurand, and values worked out by hand."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from viewgauge.evaluation import COLUMNS, Requirement, as_dataset
+from viewgauge.evaluation import COLUMNS, Requirement, Setup, as_dataset
 from viewgauge.evaluation.evaluator import Evaluator
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Dimension, Gauge, Mesh
+from viewgauge.part import Characteristic, Measurand, Mesh
 from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)
-HEAD = PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4)
+POSE_ERROR = PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4)
 SURE = Requirement("accuracy", 0.999, 0.9)
 UP = [[0.0, 0.0, 1.0]]
 
@@ -32,24 +32,24 @@ def block(*boxes) -> Mesh:
 STEPPED = block([[0, 0, 0], [100, 60, 20]], [[0, 0, 0], [60, 60, 40]])
 
 
-def gauge(start, end, normals=UP) -> Gauge:
-    return Gauge(*(np.array(a, dtype=float) for a in (start, end, normals, normals)))
+def measurand(start, end, normals=UP) -> Measurand:
+    return Measurand(*(np.array(a, dtype=float) for a in (start, end, normals, normals)))
 
 
-def dimension(name, *gauges, nominal=None, tolerance=(-0.1, 0.1), observed="ends") -> Dimension:
-    nominal = gauges[0].length_mm if nominal is None else nominal
-    return Dimension(name, "length", nominal, tolerance, gauges, observed)
+def characteristic(name, *measurands, nominal=None, tolerance=(-0.1, 0.1), observed="ends") -> Characteristic:
+    nominal = measurands[0].length_mm if nominal is None else nominal
+    return Characteristic(name, "length", nominal, tolerance, measurands, observed)
 
 
 FRONT, BACK, SIDE = [[0, 0, 1.0], [0, -1, 0]], [[0, 0, 1.0], [0, 1, 0]], [[0, 0, 1.0], [1, 0, 0]]
-DIMENSIONS = (
-    dimension("upper", gauge([0, 0, 40], [60, 0, 40], FRONT), gauge([0, 60, 40], [60, 60, 40], BACK)),
-    dimension("foot", gauge([60, 10, 20], [60, 50, 20], SIDE)),
-    dimension(
+CHARACTERISTICS = (
+    characteristic("upper", measurand([0, 0, 40], [60, 0, 40], FRONT), measurand([0, 60, 40], [60, 60, 40], BACK)),
+    characteristic("foot", measurand([60, 10, 20], [60, 50, 20], SIDE)),
+    characteristic(
         "depth",
-        gauge([100, 0, 20], [100, 60, 20], SIDE),
-        gauge([60, 0, 40], [60, 60, 40], SIDE),
-        gauge([100, 0, 0], [100, 60, 0], [[1.0, 0, 0], [0, 0, -1]]),
+        measurand([100, 0, 20], [100, 60, 20], SIDE),
+        measurand([60, 0, 40], [60, 60, 40], SIDE),
+        measurand([100, 0, 0], [100, 60, 0], [[1.0, 0, 0], [0, 0, -1]]),
     ),
 )
 
@@ -63,18 +63,26 @@ def around(count, seed=5):
     return look_at(eyes, np.array([50, 30, 20]) + rng.normal(0, 25, (count, 3)), rng.uniform(0, 3, count))
 
 
-def table_of(poses, dimensions=DIMENSIONS, camera=CAMERA, head=HEAD, requirement=SURE, mesh=STEPPED, **options):
-    evaluator = Evaluator(dimensions, mesh, camera, head, requirement, **options)
+def table_of(
+    poses,
+    characteristics=CHARACTERISTICS,
+    camera=CAMERA,
+    pose_error=POSE_ERROR,
+    requirement=SURE,
+    mesh=STEPPED,
+    **options,
+):
+    evaluator = Evaluator(characteristics, mesh, Setup(camera, pose_error, requirement), **options)
     values = evaluator.table(poses)
-    columns = {name: getattr(values, name) for name in (*COLUMNS, "gauge", "validity") if name != "accepted"}
+    columns = {name: getattr(values, name) for name in (*COLUMNS, "measurand", "validity") if name != "accepted"}
     columns["accepted"] = values.visible & (values.probability >= requirement.probability)
     names = [f"C{k}" for k in range(len(poses))]
     attrs = {"method": "joint", "required_probability": requirement.probability}
-    return as_dataset(columns, names, dimensions, evaluator.allowed_error_mm, attrs)
+    return as_dataset(columns, names, characteristics, evaluator.allowed_error_mm, attrs)
 
 
 def above(x, y, height, *, turned=False):
-    """A camera at a height that looks straight down; its image's u is part x, or part y where turned."""
+    """A camera at a height that acquisitions straight down; its image's u is part x, or part y where turned."""
     right, down = ([0, 1, 0], [1, 0, 0]) if turned else ([1, 0, 0], [0, -1, 0])
     pose = np.eye(4)
     pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, down, [0, 0, -1], [x, y, height]
@@ -92,11 +100,11 @@ def test_the_contract(table):
         "sigma_quantization_px, probability, expected_accuracy, accepted"
     )
     assert list(COLUMNS) == contract.split(", ")
-    assert set(table.data_vars) == {*COLUMNS, "gauge", "validity"}
+    assert set(table.data_vars) == {*COLUMNS, "measurand", "validity"}
     for name in table.data_vars:
-        assert table[name].dims == ("setting", "dimension")
-    assert table["setting"].values.tolist() == [f"C{k}" for k in range(400)]
-    assert table["dimension"].values.tolist() == ["upper", "foot", "depth"]
+        assert table[name].dims == ("viewpoint", "characteristic")
+    assert table["viewpoint"].values.tolist() == [f"C{k}" for k in range(400)]
+    assert table["characteristic"].values.tolist() == ["upper", "foot", "depth"]
     np.testing.assert_array_equal(table["nominal_mm"], [60, 40, 60])
     np.testing.assert_allclose(table["allowed_error_mm"], [0.06, 0.04, 0.06])
     assert table["visible"].dtype == table["accepted"].dtype == bool
@@ -130,15 +138,15 @@ def test_a_required_probability_accepts_nothing_that_is_not_visible():
     assert not table_of(around(50), requirement=Requirement("accuracy", 0.999, 1e-300))["accepted"].values.all()
 
 
-def test_the_best_gauge_is_the_one_a_search_by_hand_finds(table):
-    for d in DIMENSIONS:
-        alone = [table_of(around(400), [dimension(d.id, g)]).isel(dimension=0) for g in d.gauges]
-        ours = table.sel(dimension=d.id)
+def test_the_best_measurand_is_the_one_a_search_by_hand_finds(table):
+    for d in CHARACTERISTICS:
+        alone = [table_of(around(400), [characteristic(d.id, g)]).isel(characteristic=0) for g in d.measurands]
+        ours = table.sel(characteristic=d.id)
         rank = [{name: k for k, name in enumerate(REASONS)}[r] for a in alone for r in a["reason"].values]
         rank = np.array(rank).reshape(len(alone), -1)
         probability = np.stack([a["probability"].values for a in alone])
         for k in range(400):
-            chosen = int(ours["gauge"].values[k])
+            chosen = int(ours["measurand"].values[k])
             if (rank[:, k] == len(REASONS) - 1).any():
                 assert ours["visible"].values[k]
                 assert ours["probability"].values[k] == probability[:, k].max() == probability[chosen, k]
@@ -150,14 +158,14 @@ def test_the_best_gauge_is_the_one_a_search_by_hand_finds(table):
                 assert a == b or (a != a and b != b), name
 
 
-def test_how_settings_are_cut_in_pieces_changes_nothing():
+def test_how_viewpoints_are_cut_in_pieces_changes_nothing():
     poses = around(700)
     whole = table_of(poses)
     for size in (1, 97, 256, 300):
         pieces = [table_of(poses[k : k + size]) for k in range(0, len(poses), size)][: 40 if size == 1 else None]
-        together = xr.concat(pieces, "setting")
-        part = whole.isel(setting=slice(0, together.sizes["setting"]))
-        for name in (*COLUMNS, "gauge", "validity"):
+        together = xr.concat(pieces, "viewpoint")
+        part = whole.isel(viewpoint=slice(0, together.sizes["viewpoint"]))
+        for name in (*COLUMNS, "measurand", "validity"):
             if together[name].dtype == float:
                 np.testing.assert_allclose(together[name].values, part[name].values, rtol=0, atol=1e-12)
             else:
@@ -166,7 +174,10 @@ def test_how_settings_are_cut_in_pieces_changes_nothing():
 
 def test_threads_do_not_change_a_bit():
     poses = around(1500)
-    blocks = [Evaluator(DIMENSIONS, STEPPED, CAMERA, HEAD, SURE, threads=threads).table(poses) for threads in (1, 2, 5)]
+    blocks = [
+        Evaluator(CHARACTERISTICS, STEPPED, Setup(CAMERA, POSE_ERROR, SURE), threads=threads).table(poses)
+        for threads in (1, 2, 5)
+    ]
     for other in blocks[1:]:
         for field in fields(blocks[0]):
             np.testing.assert_array_equal(getattr(other, field.name), getattr(blocks[0], field.name))
@@ -174,7 +185,7 @@ def test_threads_do_not_change_a_bit():
 
 def test_what_is_accepted_is_the_accepted_part_of_the_table():
     poses = around(600)
-    evaluator = Evaluator(DIMENSIONS, STEPPED, CAMERA, HEAD, SURE)
+    evaluator = Evaluator(CHARACTERISTICS, STEPPED, Setup(CAMERA, POSE_ERROR, SURE))
     accepted, table = evaluator.accepted(poses), evaluator.table(poses)
     sure = table.visible & (table.probability >= SURE.probability)
     assert 0.02 < sure.mean() < 0.98
@@ -183,9 +194,9 @@ def test_what_is_accepted_is_the_accepted_part_of_the_table():
     assert not (accepted.certain & (table.validity > 0)).any(), "what carries a warning is not certain"
 
 
-def test_no_setting_and_no_dimension():
-    assert dict(table_of(around(0)).sizes) == {"setting": 0, "dimension": 3}
-    assert dict(table_of(around(3), ()).sizes) == {"setting": 3, "dimension": 0}
+def test_no_viewpoint_and_no_characteristic():
+    assert dict(table_of(around(0)).sizes) == {"viewpoint": 0, "characteristic": 3}
+    assert dict(table_of(around(3), ()).sizes) == {"viewpoint": 3, "characteristic": 0}
 
 
 @pytest.mark.parametrize(
@@ -196,16 +207,17 @@ def test_no_setting_and_no_dimension():
         (Requirement("fraction_of_tolerance", 0.1, 0.9), 0.1 * (0.02 + 0.10) / 2 / 9.0),
     ],
 )
-def test_relative_tolerance_refers_to_the_gauge_that_is_imaged(requirement, expected):
-    # a dimension of 10 mm that is measured by a chord of 9 mm: the error allowed in mm is that of the dimension
-    chord = dimension("chord", gauge([10, 10, 40], [19, 10, 40]), nominal=10.0, tolerance=(-0.02, 0.10))
-    row = table_of(above(15, 10, 340), [chord], requirement=requirement).isel(setting=0, dimension=0)
+def test_relative_tolerance_refers_to_the_measurand_that_is_imaged(requirement, expected):
+    # a characteristic of 10 mm that is measured by a chord of 9 mm: the error allowed in mm is that of the
+    # characteristic
+    chord = characteristic("chord", measurand([10, 10, 40], [19, 10, 40]), nominal=10.0, tolerance=(-0.02, 0.10))
+    row = table_of(above(15, 10, 340), [chord], requirement=requirement).isel(viewpoint=0, characteristic=0)
     assert float(row["relative_tolerance"]) == pytest.approx(expected, rel=1e-12)
     assert bool(row["visible"])
 
 
 def test_a_fraction_of_no_tolerance_is_refused():
-    basic = dimension("basic", gauge([10, 10, 40], [19, 10, 40]), tolerance=None)
+    basic = characteristic("basic", measurand([10, 10, 40], [19, 10, 40]), tolerance=None)
     with pytest.raises(ValueError, match="basic has no tolerance"):
         table_of(above(15, 10, 340), [basic], requirement=Requirement("fraction_of_tolerance", 0.1, 0.9))
 
@@ -216,9 +228,9 @@ def test_pixel_columns_by_hand_also_where_pixels_are_not_square(turned):
     # the head errs along the optical axis only, by 0.3 mm: one part in a thousand of the distance
     pitch_u, pitch_v = 0.003, 0.006
     camera = Camera(15.0, (pitch_u, pitch_v), (2000, 2000), edge_resolution_px=0.5)
-    head = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
-    line = dimension("line", gauge([10, 30, 40], [40, 30, 40]))
-    row = table_of(above(25, 30, 340, turned=turned), [line], camera, head).isel(setting=0, dimension=0)
+    pose_error = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
+    line = characteristic("line", measurand([10, 30, 40], [40, 30, 40]))
+    row = table_of(above(25, 30, 340, turned=turned), [line], camera, pose_error).isel(viewpoint=0, characteristic=0)
     length = 1.5 / (pitch_v if turned else pitch_u)
     assert float(row["image_length_px"]) == pytest.approx(length, rel=1e-12)
     assert np.cos(float(row["angle_rad"])) == pytest.approx(0.0 if turned else 1.0, abs=1e-12)
@@ -230,9 +242,9 @@ def test_pixel_columns_by_hand_also_where_pixels_are_not_square(turned):
 def test_expected_accuracy_is_one_less_the_mean_relative_error():
     # no pixels, and a normal error of one part in a thousand: its mean absolute value is sqrt(2/pi) of that
     camera = Camera(15.0, (0.003, 0.003), (2000, 2000), edge_resolution_px=0.0)
-    head = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
-    line = dimension("line", gauge([10, 30, 40], [40, 30, 40]))
-    row = table_of(above(25, 30, 340), [line], camera, head).isel(setting=0, dimension=0)
+    pose_error = PoseError(np.diag([0, 0, 0.3**2, 0, 0, 0]))
+    line = characteristic("line", measurand([10, 30, 40], [40, 30, 40]))
+    row = table_of(above(25, 30, 340), [line], camera, pose_error).isel(viewpoint=0, characteristic=0)
     assert float(row["expected_accuracy"]) == pytest.approx(1 - 1e-3 * np.sqrt(2 / np.pi), rel=1e-9)
     assert float(row["sigma_quantization_px"]) == 0.0
     # allowed is one part in a thousand: one standard deviation
@@ -246,10 +258,10 @@ def test_expected_accuracy_is_one_less_the_mean_relative_error():
         ([60, 30, 40], [60, 30, 20], [60, 30, 340]),  # down the step's wall: exactly equal
     ],
 )
-def test_a_gauge_seen_end_on_has_no_length_and_is_never_right(start, end, eye):
-    line = dimension("line", gauge(start, end, SIDE))
+def test_a_measurand_seen_end_on_has_no_length_and_is_never_right(start, end, eye):
+    line = characteristic("line", measurand(start, end, SIDE))
     pose = look_at(np.array(eye, dtype=float), start)[None]
-    row = table_of(pose, [line], limits=ObservationLimits(minimum_length_px=0.0)).isel(setting=0, dimension=0)
+    row = table_of(pose, [line], limits=ObservationLimits(minimum_length_px=0.0)).isel(viewpoint=0, characteristic=0)
     assert bool(row["visible"])
     assert float(row["image_length_px"]) == pytest.approx(0.0, abs=1e-9)
     assert float(row["probability"]) == pytest.approx(0.0, abs=1e-6)

@@ -1,4 +1,4 @@
-"""The example part is what its script builds, and holds the dimensions that its README names."""
+"""The example part is what its script builds, and holds the characteristics that its README names."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_script_builds_the_committed_file(script: ModuleType) -> None:
     assert script.step_text(script.build_document()) == STEP.read_text(encoding="ascii")
 
 
-def test_callouts_as_the_file_writes_them() -> None:
+def test_pmi_records_as_the_file_writes_them() -> None:
     records = re.sub(r"\s+", " ", STEP.read_text(encoding="ascii"))
     names = re.findall(r"= DRAUGHTING_CALLOUT\('(\w+)'", records)
     assert sorted(names) == sorted(f"E{k}" for k in range(1, 15))
@@ -41,8 +41,8 @@ def test_callouts_as_the_file_writes_them() -> None:
 
 
 def test_step_length_is_the_edge_of_the_paper(script: ModuleType) -> None:
-    (callout,) = [callout for callout in script.CALLOUTS if callout.name == "E2"]
-    edge = script.feature_at(script.build_solid(), callout.first[0], callout.target)
+    (pmi_record,) = [pmi_record for pmi_record in script.PMI_RECORDS if pmi_record.name == "E2"]
+    edge = script.feature_at(script.build_solid(), pmi_record.first[0], pmi_record.target)
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.TopoDS import TopoDS
 

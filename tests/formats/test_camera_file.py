@@ -217,7 +217,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("text", "name", "key", "telling"), BAD)
-def test_a_bad_calibration_is_told_with_file_and_key(tmp_path, text, name, key, telling):
+def test_a_bad_calibration_is_reported_with_file_and_key(tmp_path, text, name, key, telling):
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, text, name)
     assert telling in str(caught.value)

@@ -1,4 +1,4 @@
-"""The inspection file's keys of distortion, calibration, its uncertainty and the locator."""
+"""The inspection file's keys of distortion, calibration, its uncertainty and the edge detector."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from viewgauge.errors import edge_point_deviation
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.geometry import Lens
-from viewgauge.sensors import EdgeLocator
+from viewgauge.sensors import EdgeDetector
 
 TEXT = """\
 part:
   file: part.step
 camera:
 %s
-head:
+pose_uncertainty:
   translation: 0.1 mm
   rotation: 0.02 deg
 requirement:
@@ -48,7 +48,7 @@ def test_without_them_the_camera_is_the_paper_s(tmp_path):
 
 
 def test_distortion_and_its_uncertainty(tmp_path):
-    uncertainty = "{focal_length: [0.5, 0.6] px, principal_point: 0.8 px, distortion: [0.001, 0.002, 0, 0]}"
+    uncertainty = "{focal_length: '[0.5, 0.6] px', principal_point: 0.8 px, distortion: [0.001, 0.002, 0, 0]}"
     camera = read(tmp_path, f"{OWN}  distortion: [-0.1, 0.02, 0, 0]\n  calibration_uncertainty: {uncertainty}").camera
     assert camera.lens == Lens("radial-tangential", (-0.1, 0.02, 0.0, 0.0))
     expected = np.diag(np.square([0.5, 0.6, 0.8, 0.8, 0.001, 0.002, 0, 0]))
@@ -81,40 +81,60 @@ def test_a_stated_uncertainty_is_before_the_file_s(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("keys", "locator"),
+    ("keys", "edge_detector"),
     [
-        ("{noise: 0.1 px}", EdgeLocator(0.1)),
-        ("{noise: 0 px, offset: 0.05 px}", EdgeLocator(0.0, 0.05)),
-        ("{noise: 0.1 px, edge_points: 20, clear_of_corner: 5 px}", EdgeLocator(0.1, 0.0, 20, 5.0)),
-        ("{signal_to_noise: 40, blur: 0.6 px}", EdgeLocator(float(edge_point_deviation(40, 0.6)))),
+        ("{noise: 0.1 px}", EdgeDetector(0.1)),
+        ("{noise: 0 px, offset: 0.05 px}", EdgeDetector(0.0, 0.05)),
+        ("{noise: 0.1 px, edge_points: 20, clear_of_corner: 5 px}", EdgeDetector(0.1, 0.0, 20, 5.0)),
+        ("{signal_to_noise: 40, blur: 0.6 px}", EdgeDetector(float(edge_point_deviation(40, 0.6)))),
         (
             "{signal_to_noise: 40, blur: 0.6 px, samples: 5, smoothing: 1 px}",
-            EdgeLocator(float(edge_point_deviation(40, 0.6, 5, 1.0))),
+            EdgeDetector(float(edge_point_deviation(40, 0.6, 5, 1.0))),
         ),
     ],
 )
-def test_locators(tmp_path, keys, locator):
-    camera = read(tmp_path, f"{OWN}  locator: {keys}").camera
-    assert camera.locator == locator
+def test_edge_detectors(tmp_path, keys, edge_detector):
+    camera = read(tmp_path, f"{OWN}  edge_detector: {keys}").camera
+    assert camera.edge_detector == edge_detector
     assert camera.quantization_step_mm == (0.0, 0.0)
 
 
 BAD = [
-    (OWN + "  locator: {}", "camera.locator", "the noise of an edge point is stated once"),
-    (OWN + "  locator: {noise: 0.1 px, signal_to_noise: 40, blur: 1 px}", "camera.locator.noise", "stated once"),
-    (OWN + "  locator: {noise: 0.1 px, blur: 1 px}", "camera.locator.noise", "stands for blur"),
-    (OWN + "  locator: {signal_to_noise: 40}", "camera.locator.blur", "required key missing"),
-    (OWN + "  locator: {signal_to_noise: 0, blur: 1 px}", "camera.locator.signal_to_noise", "not a positive number"),
-    (OWN + "  locator: {signal_to_noise: 40 dB, blur: 1 px}", "camera.locator.signal_to_noise", "not a positive"),
-    (OWN + "  locator: {noise: 0.1}", "camera.locator.noise", "the unit is missing"),
-    (OWN + "  locator: {noise: -0.1 px}", "camera.locator.noise", "must not be negative"),
-    (OWN + "  locator: {noise: .nan px}", "camera.locator.noise", "not finite"),
-    (OWN + "  locator: {noise: 0.1 mm}", "camera.locator.noise", "'mm' is not a unit of number of pixels"),
-    (OWN + "  locator: {noise: 0.1 px, edge_points: 1}", "camera.locator.edge_points", "greater than or equal to 2"),
-    (OWN + "  locator: {noise: 0.1 px, edge_points: 2.5}", "camera.locator.edge_points", "a whole number"),
-    (OWN + "  locator: {nosie: 0.1 px}", "camera.locator.nosie", "did you mean 'noise'?"),
-    (OWN + "  locator: subpixel", "camera.locator", "not a section of keys"),
-    (OWN + "  locator: {noise: 0.1 px}\n  edge_resolution: 0.1 px", "camera.edge_resolution", "takes the place"),
+    (OWN + "  edge_detector: {}", "camera.edge_detector", "the noise of an edge point is stated once"),
+    (
+        OWN + "  edge_detector: {noise: 0.1 px, signal_to_noise: 40, blur: 1 px}",
+        "camera.edge_detector.noise",
+        "stated once",
+    ),
+    (OWN + "  edge_detector: {noise: 0.1 px, blur: 1 px}", "camera.edge_detector.noise", "stands for blur"),
+    (OWN + "  edge_detector: {signal_to_noise: 40}", "camera.edge_detector.blur", "required key missing"),
+    (
+        OWN + "  edge_detector: {signal_to_noise: 0, blur: 1 px}",
+        "camera.edge_detector.signal_to_noise",
+        "not a positive number",
+    ),
+    (
+        OWN + "  edge_detector: {signal_to_noise: 40 dB, blur: 1 px}",
+        "camera.edge_detector.signal_to_noise",
+        "not a positive",
+    ),
+    (OWN + "  edge_detector: {noise: 0.1}", "camera.edge_detector.noise", "the unit is missing"),
+    (OWN + "  edge_detector: {noise: -0.1 px}", "camera.edge_detector.noise", "must not be negative"),
+    (OWN + "  edge_detector: {noise: .nan px}", "camera.edge_detector.noise", "not finite"),
+    (OWN + "  edge_detector: {noise: 0.1 mm}", "camera.edge_detector.noise", "'mm' is not a unit of number of pixels"),
+    (
+        OWN + "  edge_detector: {noise: 0.1 px, edge_points: 1}",
+        "camera.edge_detector.edge_points",
+        "greater than or equal to 2",
+    ),
+    (OWN + "  edge_detector: {noise: 0.1 px, edge_points: 2.5}", "camera.edge_detector.edge_points", "a whole number"),
+    (OWN + "  edge_detector: {nosie: 0.1 px}", "camera.edge_detector.nosie", "did you mean 'noise'?"),
+    (OWN + "  edge_detector: subpixel", "camera.edge_detector", "not a section of keys"),
+    (
+        OWN + "  edge_detector: {noise: 0.1 px}\n  edge_detector: {quantization: 0.1 px}",
+        "camera.edge_detector.quantization",
+        "takes the place",
+    ),
     (OWN + "  distortion: [0.1]", "camera.distortion", "4 or 5 or 8 or 12 numbers"),
     (OWN + "  distortion: 0.1", "camera.distortion", "not a list of numbers"),
     (OWN + "  distortion: [a, 0, 0, 0]", "camera.distortion", "not a list of numbers"),
@@ -142,7 +162,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("camera", "key", "telling"), BAD)
-def test_what_is_wrong_is_told_with_its_key(tmp_path, camera, key, telling):
+def test_what_is_wrong_is_reported_with_its_key(tmp_path, camera, key, telling):
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, camera)
     assert telling in str(caught.value)
@@ -157,7 +177,7 @@ def test_a_calibration_without_a_size_needs_one(tmp_path):
     assert read(tmp_path, FILED + "  resolution: [2448, 2048]", sizeless).camera.resolution == (2448, 2048)
 
 
-def test_what_is_wrong_in_the_calibration_file_is_told_with_its_line(tmp_path):
+def test_what_is_wrong_in_the_calibration_file_is_reported_with_its_line(tmp_path):
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, FILED, TOPIC.replace("plumb_bob", "fov"))
     assert caught.value.file == str(tmp_path / "camera.yaml")
@@ -165,7 +185,7 @@ def test_what_is_wrong_in_the_calibration_file_is_told_with_its_line(tmp_path):
     assert "unknown distortion model" in str(caught.value)
 
 
-def test_a_covariance_that_is_none_is_told(tmp_path):
+def test_a_covariance_that_is_none_is_reported(tmp_path):
     bad = TOPIC[: TOPIC.index("intrinsics_st")] + "intrinsics_covariance: [%s]\n"
     matrix = np.eye(9)
     matrix[0, 1] = 5.0

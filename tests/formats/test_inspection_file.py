@@ -7,7 +7,7 @@ import pytest
 
 from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.exceptions import InspectionFileError
-from viewgauge.formats.inspection.inspection_file import DimensionEntry, read_inspection_file
+from viewgauge.formats.inspection.inspection_file import CharacteristicEntry, read_inspection_file
 from viewgauge.geometry import PoseError
 from viewgauge.planning.candidates.candidate_options import CandidateOptions
 from viewgauge.sensors import Camera
@@ -16,31 +16,31 @@ from viewgauge.visibility.limits import ObservationLimits
 # interface.md, word for word; long lines as there
 CONTRACT = """\
 part:
-  file: slotted_block.step          # STEP AP242 (semantic PMI read), or a mesh (STL/PLY/OBJ; then dimensions are needed)
-  dimensions:                       # optional; added to those read from PMI
+  file: slotted_block.step          # STEP AP242 (semantic PMI read), or a mesh (STL/PLY/OBJ; then characteristics are needed)
+  characteristics:                       # optional; added to those read from PMI
     - id: E2
-      start: [0, 0, 40] mm          # a gauge: two points of the part, part frame
-      end: [60, 0, 40] mm
+      points: [[0, 0, 40], [60, 0, 40]]          # a measurand: two points of the part, part frame
+      unit: mm
       tolerance: 0.1 mm             # plus/minus; or [-0.05, 0.1] mm
       observed: ends                # "ends" (both end points seen) or "whole" (the whole segment seen)
 camera:
   focal_length: 16 mm
   pixel_pitch: 3.45 um              # or [3.45, 3.45] um
   resolution: [2448, 2048]
-  edge_resolution: 1 px             # quantization step of the edge locator; 1 px is the paper's; 0.1 px a sub-pixel locator
-head:                               # the pose error
+  edge_detector: {quantization: 1 px}             # quantization step of the edge detector; 1 px is the paper's; 0.1 px a sub-pixel edge detector
+pose_uncertainty:                               # the pose error
   translation: 0.1 mm               # one or three standard deviations
   rotation: 0.02 deg                # one or three
-  # or: covariance: head_covariance.yaml (6x6, conventions.md)
-  pivot: [0, 0, -16] mm             # origin of the frame in which the error acts, in the camera frame; or a full pose T_camera_head
+  # or: covariance: pose_error_covariance.yaml (6x6, conventions.md)
+  frame: {position: "[0, 0, -16] mm"}             # origin of the frame in which the error acts, in the camera frame; or a full pose T_camera_frame
 requirement:
   accuracy: 0.99                    # relative: T = 1 - accuracy;   or  error: 0.05 mm;   or  fraction_of_tolerance: 10 %
   probability: 0.95                 # Th
 candidates:                         # optional, sensible defaults from part and camera
-  distance: [300, 600] mm
+  distance: "[300, 600] mm"
   directions: 200
   rolls: 4
-  settings: poses.csv               # or explicit settings instead of sampled ones
+  viewpoints: poses.csv               # or explicit viewpoints instead of sampled ones
 """  # noqa: E501
 
 # the lines of each section are asserted below
@@ -51,7 +51,7 @@ camera:
   focal_length: 16 mm
   pixel_pitch: 3.45 um
   resolution: [2448, 2048]
-head:
+pose_uncertainty:
   translation: 0.1 mm
   rotation: 0.02 deg
 requirement:
@@ -60,10 +60,10 @@ requirement:
 """
 
 TWO_DIMENSIONS = """\
-  dimensions:
+  characteristics:
     - id: A
-      start: [0, 0, 0] mm
-      end: [1, 0, 0] mm
+      points: [[0, 0, 0], [1, 0, 0]]
+      unit: mm
     - id: B
       tolerance: 0.1 mm
 """
@@ -80,7 +80,7 @@ def changed(old, new, base=MINIMAL):
     return base.replace(old, new)
 
 
-def with_dimensions(old="", new=""):
+def with_characteristics(old="", new=""):
     return changed("camera:\n", TWO_DIMENSIONS.replace(old, new) + "camera:\n")
 
 
@@ -95,18 +95,18 @@ def test_the_contract_example_is_read_as_written(tmp_path):
     inspection = read(tmp_path, CONTRACT)
     assert inspection.path == tmp_path / "inspection.yaml"
     assert inspection.part_file == tmp_path / "slotted_block.step"
-    assert inspection.dimensions == (
-        DimensionEntry("E2", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), (-0.1, 0.1), "ends", line=4),
+    assert inspection.characteristics == (
+        CharacteristicEntry("E2", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), (-0.1, 0.1), "ends", line=4),
     )
-    assert not inspection.dimensions[0].is_override
+    assert not inspection.characteristics[0].is_override
     assert inspection.general_tolerance_mm is None
     assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
     expected = PoseError.from_standard_deviations(0.1, np.deg2rad(0.02), pivot_mm=(0, 0, -16))
-    np.testing.assert_allclose(inspection.head.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
-    assert inspection.head.pivot_mm == (0.0, 0.0, -16.0)
+    np.testing.assert_allclose(inspection.pose_error.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
+    assert inspection.pose_error.pivot_mm == (0.0, 0.0, -16.0)
     assert inspection.requirement == Requirement("accuracy", 0.99, 0.95)
     assert inspection.candidates == CandidateOptions(distance_mm=(300.0, 600.0), directions=200, rolls=4)
-    assert inspection.settings_file == tmp_path / "poses.csv"
+    assert inspection.viewpoints_file == tmp_path / "poses.csv"
     assert inspection.covariance_file is None
     assert inspection.limits == ObservationLimits()
     assert inspection.seed == 0
@@ -116,36 +116,36 @@ def test_the_least_file_takes_the_defaults(tmp_path):
     inspection = read(tmp_path, MINIMAL)
     assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048))
     assert inspection.candidates == CandidateOptions()
-    assert inspection.settings_file is None
-    assert inspection.dimensions == ()
-    assert inspection.head.pivot_mm == (0.0, 0.0, 0.0)
+    assert inspection.viewpoints_file is None
+    assert inspection.characteristics == ()
+    assert inspection.pose_error.pivot_mm == (0.0, 0.0, 0.0)
 
 
 def test_every_optional_key(tmp_path):
     text = """\
 seed: 7
 part:
-  dimensions:
-    - {id: A, start: [0, 0, 40] mm, end: ["6 cm", 0 mm, '40 mm'], observed: whole}
+  characteristics:
+    - {id: A, start: "[0, 0, 40] mm", end: ["6 cm", 0 mm, '40 mm'], observed: whole}
     - id: PMI/1
-      tolerance: [-0.05, 0.1] mm
+      tolerance: "[-0.05, 0.1] mm"
     - id: PMI/2
       observed: whole
   general_tolerance: 100 um
 camera:
   focal_length: 1 inch
-  pixel_pitch: [3.45, 3.5] um
-  resolution: [2448, 2048] px
-  edge_resolution: 0.1 px
-  principal_point: [1200, 1000.5] px
+  pixel_pitch: "[3.45, 3.5] um"
+  resolution: "[2448, 2048] px"
+  edge_detector: {quantization: 0.1 px}
+  principal_point: "[1200, 1000.5] px"
   f_number: 8
   focus_distance: 45 cm
   blur_limit: 2 px
-head:
+pose_uncertainty:
   translation: [0.1, 0.2,
                 0.3] mm
   rotation: ["1 mrad", "2 mrad", "3 mrad"]
-  pivot: {position: [1, 2, 3] mm, quaternion: [0, 1, 0, 0]}
+  frame: {position: "[1, 2, 3] mm", quaternion: [0, 1, 0, 0]}
 requirement:
   fraction_of_tolerance: 10 %
   probability: 95 %
@@ -155,7 +155,7 @@ candidates:
   rolls: 3
   targets: 0
   cone: {axis: [0, 1, 1], half_angle: 180 deg}
-  settings: /data/poses.csv
+  viewpoints: /data/poses.csv
 observation:
   margin: 0 px
   minimum_length: 20 px
@@ -163,23 +163,23 @@ observation:
 """
     inspection = read(tmp_path, text)
     assert inspection.part_file is None
-    assert inspection.dimensions == (
-        DimensionEntry("A", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), None, "whole", line=4),
-        DimensionEntry("PMI/1", None, None, (-0.05, 0.1), None, line=5),
-        DimensionEntry("PMI/2", None, None, None, "whole", line=7),
+    assert inspection.characteristics == (
+        CharacteristicEntry("A", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), None, "whole", line=4),
+        CharacteristicEntry("PMI/1", None, None, (-0.05, 0.1), None, line=5),
+        CharacteristicEntry("PMI/2", None, None, None, "whole", line=7),
     )
-    assert [entry.is_override for entry in inspection.dimensions] == [False, True, True]
+    assert [entry.is_override for entry in inspection.characteristics] == [False, True, True]
     assert inspection.general_tolerance_mm == (-0.1, 0.1)
     assert inspection.camera == Camera(25.4, (0.00345, 0.0035), (2448, 2048), 0.1, (1200.0, 1000.5), 8.0, 450.0, 2.0)
-    np.testing.assert_allclose(inspection.head.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
+    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
     np.testing.assert_array_equal(
-        inspection.head.T_camera_head, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
+        inspection.pose_error.T_camera_frame, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
     )
     assert inspection.requirement == Requirement("fraction_of_tolerance", 0.1, 0.95)
     assert inspection.candidates == CandidateOptions(
         (400.0, 400.0), 1, 50, 3, 0, cone_axis=(0.0, 1.0, 1.0), cone_half_angle_rad=np.pi
     )
-    assert inspection.settings_file == Path("/data/poses.csv")
+    assert inspection.viewpoints_file == Path("/data/poses.csv")
     assert inspection.limits == ObservationLimits(0.0, 20.0, 0.1)
     assert inspection.seed == 7
 
@@ -202,11 +202,11 @@ observation:
 @pytest.mark.parametrize("line_end", ["\n", "\r\n"])
 def test_forms_of_a_point(tmp_path, value, line_end):
     text = changed("head:\n", f"head:\n  pivot: {value}\n").replace("\n", line_end)
-    assert read(tmp_path, text).head.pivot_mm == (0.0, 0.0, -16.0)
+    assert read(tmp_path, text).pose_error.pivot_mm == (0.0, 0.0, -16.0)
 
 
-@pytest.mark.parametrize("name", ["a [1] b.step", "'x: [1, 2] mm'", '"[1] mm.step"', "it's [1] mm.step", "a#[1] mm"])
-def test_text_that_looks_like_a_list_with_unit_stays_as_it_is(tmp_path, name):
+@pytest.mark.parametrize("name", ["a [1] b.step", "'x: '[1, 2] mm''", '"[1] mm.step"', "it's [1] mm.step", "a#[1] mm"])
+def test_text_that_acquisitions_like_a_list_with_unit_stays_as_it_is(tmp_path, name):
     assert read(tmp_path, changed("part.step", name)).part_file == tmp_path / name.strip("'\"")
 
 
@@ -246,10 +246,15 @@ BAD_TEXTS = [
     ("[" * 5000, 1, None, "nested too deeply"),
     (changed("part.step", "!!python/object/apply:os.system [ls]"), 2, "part.file", "tags are not used"),
     (changed("part.step", "!mine x"), 2, "part.file", "tags are not used"),
-    (changed("part:", "part: &p").replace("camera:\n", "  dimensions: *p\ncamera:\n"), 3, "part.dimensions", "alias"),
+    (
+        changed("part:", "part: &p").replace("camera:\n", "  characteristics: *p\ncamera:\n"),
+        3,
+        "part.characteristics",
+        "alias",
+    ),
     (changed("camera:\n", "? [1, 2]\n: 3\ncamera:\n"), 3, None, "a key must be a word"),
     (changed("  file: part.step", "  file: a\n  file: b"), 3, "part.file", "first in line 2"),
-    (MINIMAL + "head:\n  rotation: 1 deg\n", 13, "head", "first in line 7"),
+    (MINIMAL + "head:\n  rotation: 1 deg\n", 13, "pose_error", "first in line 7"),
 ]
 
 BAD_SECTIONS = [
@@ -267,8 +272,18 @@ BAD_SECTIONS = [
     ),
     (changed("  focal_length: 16 mm\n", ""), 3, "camera.focal_length", "a length, such as 16 mm"),
     (changed("  probability: 0.95\n", ""), 10, "requirement.probability", "required key missing"),
-    (changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "head:\n"), 7, "head", "the section is empty"),
-    (changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "head: 0.1 mm\n"), 7, "head", "not a section"),
+    (
+        changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "head:\n"),
+        7,
+        "pose_error",
+        "the section is empty",
+    ),
+    (
+        changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "pose_uncertainty: 0.1 mm\n"),
+        7,
+        "pose_error",
+        "not a section",
+    ),
     (changed("part:\n  file: part.step\n", "part: part.step\n"), 1, "part", "not a section"),
     (MINIMAL + "candidates: [1]\n", 13, "candidates", "not a section"),
     (MINIMAL + "seed: -1\n", 13, "seed", "greater than or equal to 0"),
@@ -301,60 +316,95 @@ BAD_CAMERAS = [
     (changed("2448, 2048", "2448, .nan"), 6, "camera.resolution", "whole numbers"),
     (changed("[2448, 2048]", "5 MP"), 6, "camera.resolution", "2 values are expected"),
     (changed("[2448, 2048]", "2448"), 6, "camera.resolution", "columns and rows"),
-    (changed("head:", "  edge_resolution: 1\nhead:"), 7, "camera.edge_resolution", "1 px"),
-    (changed("head:", "  edge_resolution: -1 px\nhead:"), 7, "camera.edge_resolution", "must not be negative"),
-    (changed("head:", "  principal_point: 3 px\nhead:"), 7, "camera.principal_point", "2 values"),
-    (changed("head:", "  blur_limit: 0 px\nhead:"), 7, "camera.blur_limit", "must be positive"),
-    (changed("head:", "  f_number: 8\nhead:"), 3, "camera", "an aperture needs a focus distance"),
-    (changed("head:", "  focus_distance: 1 m\n  f_number: 0\nhead:"), 8, "camera.f_number", "a plain number"),
     (
-        changed("head:", "  f_number: 8\n  focus_distance: 5 mm\nhead:"),
+        changed("pose_uncertainty:", "  edge_resolution: 1\npose_uncertainty:"),
+        7,
+        "camera.edge_detector.quantization",
+        "1 px",
+    ),
+    (
+        changed("pose_uncertainty:", "  edge_detector: {quantization: -1 px}\npose_uncertainty:"),
+        7,
+        "camera.edge_detector.quantization",
+        "must not be negative",
+    ),
+    (
+        changed("pose_uncertainty:", "  principal_point: 3 px\npose_uncertainty:"),
+        7,
+        "camera.principal_point",
+        "2 values",
+    ),
+    (changed("pose_uncertainty:", "  blur_limit: 0 px\npose_uncertainty:"), 7, "camera.blur_limit", "must be positive"),
+    (
+        changed("pose_uncertainty:", "  f_number: 8\npose_uncertainty:"),
+        3,
+        "camera",
+        "an aperture needs a focus distance",
+    ),
+    (
+        changed("pose_uncertainty:", "  focus_distance: 1 m\n  f_number: 0\npose_uncertainty:"),
+        8,
+        "camera.f_number",
+        "a plain number",
+    ),
+    (
+        changed("pose_uncertainty:", "  f_number: 8\n  focus_distance: 5 mm\npose_uncertainty:"),
         8,
         "camera.focus_distance",
         "longer than the focal",
     ),
 ]
 
-BAD_HEADS = [
-    (changed("0.02 deg", "0.02"), 9, "head.rotation", "an angle with its unit, such as 0.02 deg"),
-    (changed("0.02 deg", "0.02 mm"), 9, "head.rotation", "'mm' is not a unit of angle"),
-    (changed("0.02 deg", "-0.02 deg"), 9, "head.rotation", "must not be negative"),
-    (changed("0.1 mm", "[1, 2] mm"), 8, "head.translation", "1 or 3 values are expected here, not 2"),
-    (changed("  rotation: 0.02 deg\n", ""), 7, "head", "required key rotation missing"),
-    (changed("  rotation: 0.02 deg\n", "  covariance: c.yaml\n"), 8, "head.translation", "takes the place of"),
+BAD_POSE_ERRORS = [
+    (changed("0.02 deg", "0.02"), 9, "pose_uncertainty.rotation", "an angle with its unit, such as 0.02 deg"),
+    (changed("0.02 deg", "0.02 mm"), 9, "pose_uncertainty.rotation", "'mm' is not a unit of angle"),
+    (changed("0.02 deg", "-0.02 deg"), 9, "pose_uncertainty.rotation", "must not be negative"),
+    (changed("0.1 mm", "[1, 2] mm"), 8, "pose_uncertainty.translation", "1 or 3 values are expected here, not 2"),
+    (changed("  rotation: 0.02 deg\n", ""), 7, "pose_error", "required key rotation missing"),
     (
-        changed("  translation: 0.1 mm\n  rotation: 0.02 deg\n", "  pivot: [0, 0, 0] mm\n"),
+        changed("  rotation: 0.02 deg\n", "  covariance: c.yaml\n"),
+        8,
+        "pose_uncertainty.translation",
+        "takes the place of",
+    ),
+    (
+        changed("  translation: 0.1 mm\n  rotation: 0.02 deg\n", "  frame: {position: '[0, 0, 0] mm'}\n"),
         7,
-        "head",
+        "pose_error",
         "required keys translation and rotation missing",
     ),
-    (changed("head:\n", "head:\n  pivot: [0, 0, 1]\n"), 8, "head.pivot", "the unit is missing"),
-    (changed("head:\n", "head:\n  pivot: [0, 0] mm\n"), 8, "head.pivot", "3 values"),
-    (changed("head:\n", "head:\n  pivot: [0, 0, nan] mm\n"), 8, "head.pivot", "not finite"),
-    (changed("head:\n", "head:\n  pivot:\n"), 8, "head.pivot", "no value"),
-    (changed("head:\n", "head:\n  pivot:\n    position: [0, 0, 1] mm\n"), 8, "head.pivot.quaternion", "required key"),
+    (changed("head:\n", "head:\n  frame: {position: [0, 0, 1]}\n"), 8, "pose_uncertainty.frame", "the unit is missing"),
+    (changed("head:\n", "head:\n  frame: {position: '[0, 0] mm'}\n"), 8, "pose_uncertainty.frame", "3 values"),
+    (changed("head:\n", "head:\n  frame: {position: '[0, 0, nan] mm'}\n"), 8, "pose_uncertainty.frame", "not finite"),
+    (changed("head:\n", "head:\n  pivot:\n"), 8, "pose_uncertainty.frame", "no value"),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: [0, 0, 1] mm\n    quaternion: [1, 0, 0, 1]\n"),
+        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n"),
+        8,
+        "pose_uncertainty.frame.quaternion",
+        "required key",
+    ),
+    (
+        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0, 1]\n"),
         10,
-        "head.pivot.quaternion",
+        "pose_uncertainty.frame.quaternion",
         "not of unit length",
     ),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: [0, 0, 1] mm\n    quaternion: [1, 0, 0]\n"),
+        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0]\n"),
         10,
-        "head.pivot.quaternion",
+        "pose_uncertainty.frame.quaternion",
         "4 plain numbers",
     ),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: [0, 0, 1] mm\n    quaternion: [a, 0, 0, 0]\n"),
+        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [a, 0, 0, 0]\n"),
         10,
-        "head.pivot.quaternion",
+        "pose_uncertainty.frame.quaternion",
         "plain numbers",
     ),
     (
-        changed("head:\n", "head:\n  pivot: {position: [0, 0, 1] mm, quaternion: [.nan, 0, 0, 0]}\n"),
+        changed("head:\n", "head:\n  frame: {position: '[0, 0, 1] mm', quaternion: [.nan, 0, 0, 0]}\n"),
         8,
-        "head.pivot.quaternion",
+        "pose_uncertainty.frame.quaternion",
         "not of unit length",
     ),
 ]
@@ -374,7 +424,7 @@ BAD_REQUIREMENTS = [
 
 CANDIDATES = MINIMAL + "candidates:\n  "
 BAD_OPTIONS = [
-    (CANDIDATES + "distance: [600, 300] mm\n", 14, "candidates.distance", "the nearer distance comes first"),
+    (CANDIDATES + "distance: '[600, 300] mm'\n", 14, "candidates.distance", "the nearer distance comes first"),
     (CANDIDATES + "distance: [300, 600]\n", 14, "candidates.distance", "the unit is missing"),
     (CANDIDATES + "distance: -3 mm\n", 14, "candidates.distance", "must be positive"),
     (CANDIDATES + "directions: 0\n", 14, "candidates.directions", "greater than or equal to 1"),
@@ -382,13 +432,13 @@ BAD_OPTIONS = [
     (CANDIDATES + "rolls: many\n", 14, "candidates.rolls", "a whole number"),
     (CANDIDATES + "rolls: true\n", 14, "candidates.rolls", "a whole number"),
     (CANDIDATES + "targets: -1\n", 14, "candidates.targets", "greater than or equal to 0"),
-    (CANDIDATES + "settings: [a]\n", 14, "candidates.settings", "text"),
+    (CANDIDATES + "viewpoints: [a]\n", 14, "candidates.viewpoints", "text"),
     (CANDIDATES + "cone:\n    axis: [0, 0, 1]\n", 14, "candidates.cone.half_angle", "an angle, such as 60 deg"),
     (CANDIDATES + "cone: {half_angle: 0 deg}\n", 14, "candidates.cone.half_angle", "must be positive"),
     (CANDIDATES + "cone:\n    half_angle: 200 deg\n", 15, "candidates.cone.half_angle", "at most 180 deg"),
     (CANDIDATES + "cone:\n    half_angle: 1 deg\n    axis: [0, 0, 0]\n", 16, "candidates.cone.axis", "no direction"),
     (
-        CANDIDATES + "cone:\n    half_angle: 1 deg\n    axis: [0, 0, 1] mm\n",
+        CANDIDATES + "cone:\n    half_angle: 1 deg\n    axis: '[0, 0, 1] mm'\n",
         16,
         "candidates.cone.axis",
         "3 plain numbers",
@@ -397,39 +447,54 @@ BAD_OPTIONS = [
     (MINIMAL + "observation:\n  grazing_angle: 2\n", 14, "observation.grazing_angle", "an angle with its unit"),
 ]
 
-BAD_DIMENSIONS = [
-    (with_dimensions("id: B", "id: A"), 7, "part.dimensions[1].id", "first in line 4"),
-    (with_dimensions("id: A", "id: ''"), 4, "part.dimensions[0].id", "the text is empty"),
-    (with_dimensions("id: A", "id: 5"), 4, "part.dimensions[0].id", "in quotes"),
-    (with_dimensions("- id: B\n      ", "- "), 7, "part.dimensions[1].id", "required key missing"),
-    (with_dimensions("[1, 0, 0] mm", "[0, 0, 0] mm"), 6, "part.dimensions[0].end", "the same point"),
-    (with_dimensions("      end: [1, 0, 0] mm\n"), 4, "part.dimensions[0]", "needs both its points"),
-    (with_dimensions("      tolerance: 0.1 mm\n"), 7, "part.dimensions[1]", "nothing but its id"),
-    (with_dimensions("[1, 0, 0] mm", "[1, 0, nan] mm"), 6, "part.dimensions[0].end", "not finite"),
-    (with_dimensions("[1, 0, 0] mm", "[1, 0, 0]"), 6, "part.dimensions[0].end", "[0, 0, 40] mm"),
-    (with_dimensions("[1, 0, 0] mm", "[1, 0, 0] mm / 2"), 6, "part.dimensions[0].end", "'mm / 2' is not a unit"),
-    (with_dimensions("0.1 mm", "0.1"), 8, "part.dimensions[1].tolerance", "the unit is missing"),
-    (with_dimensions("0.1 mm", "-0.1 mm"), 8, "part.dimensions[1].tolerance", "must be positive"),
-    (with_dimensions("0.1 mm", "[0.1, -0.1] mm"), 8, "part.dimensions[1].tolerance", "less than the upper"),
+BAD_CHARACTERISTICS = [
+    (with_characteristics("id: B", "id: A"), 7, "part.characteristics[1].id", "first in line 4"),
+    (with_characteristics("id: A", "id: ''"), 4, "part.characteristics[0].id", "the text is empty"),
+    (with_characteristics("id: A", "id: 5"), 4, "part.characteristics[0].id", "in quotes"),
+    (with_characteristics("- id: B\n      ", "- "), 7, "part.characteristics[1].id", "required key missing"),
+    (with_characteristics("[1, 0, 0] mm", "[0, 0, 0] mm"), 6, "part.characteristics[0].end", "the same point"),
+    (with_characteristics("      end: '[1, 0, 0] mm'\n"), 4, "part.characteristics[0]", "needs both its points"),
+    (with_characteristics("      tolerance: 0.1 mm\n"), 7, "part.characteristics[1]", "nothing but its id"),
+    (with_characteristics("[1, 0, 0] mm", "[1, 0, nan] mm"), 6, "part.characteristics[0].end", "not finite"),
+    (with_characteristics("[1, 0, 0] mm", "[1, 0, 0]"), 6, "part.characteristics[0].end", "[0, 0, 40] mm"),
     (
-        with_dimensions("0.1 mm", "0.1 mm\n      observed: middle"),
+        with_characteristics("[1, 0, 0] mm", "[1, 0, 0] mm / 2"),
+        6,
+        "part.characteristics[0].end",
+        "'mm / 2' is not a unit",
+    ),
+    (with_characteristics("0.1 mm", "0.1"), 8, "part.characteristics[1].tolerance", "the unit is missing"),
+    (with_characteristics("0.1 mm", "-0.1 mm"), 8, "part.characteristics[1].tolerance", "must be positive"),
+    (with_characteristics("0.1 mm", "[0.1, -0.1] mm"), 8, "part.characteristics[1].tolerance", "less than the upper"),
+    (
+        with_characteristics("0.1 mm", "0.1 mm\n      observed: middle"),
         9,
-        "part.dimensions[1].observed",
+        "part.characteristics[1].observed",
         "'ends' or 'whole'",
     ),
-    (with_dimensions("0.1 mm", "0.1 mm\n      tolerence: 1 mm"), 9, "part.dimensions[1].tolerence", "'tolerance'?"),
-    (changed("camera:\n", "  dimensions: {id: A}\ncamera:\n"), 3, "part.dimensions", "a list"),
-    (changed("camera:\n", "  dimensions:\n    - A\ncamera:\n"), 4, "part.dimensions[0]", "not a section"),
-    (changed("camera:\n", "  dimensions:\n    -\ncamera:\n"), 4, "part.dimensions[0]", "the section is empty"),
+    (
+        with_characteristics("0.1 mm", "0.1 mm\n      tolerence: 1 mm"),
+        9,
+        "part.characteristics[1].tolerence",
+        "'tolerance'?",
+    ),
+    (changed("camera:\n", "  characteristics: {id: A}\ncamera:\n"), 3, "part.characteristics", "a list"),
+    (changed("camera:\n", "  characteristics:\n    - A\ncamera:\n"), 4, "part.characteristics[0]", "not a section"),
+    (
+        changed("camera:\n", "  characteristics:\n    -\ncamera:\n"),
+        4,
+        "part.characteristics[0]",
+        "the section is empty",
+    ),
     (changed("camera:\n", "  general_tolerance: 0 mm\ncamera:\n"), 3, "part.general_tolerance", "must be positive"),
 ]
 
 
 @pytest.mark.parametrize(
     ("text", "line", "key", "telling"),
-    BAD_TEXTS + BAD_SECTIONS + BAD_CAMERAS + BAD_HEADS + BAD_REQUIREMENTS + BAD_OPTIONS + BAD_DIMENSIONS,
+    BAD_TEXTS + BAD_SECTIONS + BAD_CAMERAS + BAD_POSE_ERRORS + BAD_REQUIREMENTS + BAD_OPTIONS + BAD_CHARACTERISTICS,
 )
-def test_a_bad_file_is_told_with_line_and_key(tmp_path, text, line, key, telling):
+def test_a_bad_file_is_reported_with_line_and_key(tmp_path, text, line, key, telling):
     error = error_of(tmp_path, text)
     assert telling in str(error)
     assert (error.line, error.key) == (line, key)
@@ -442,11 +507,11 @@ def test_missing_file_and_folder(tmp_path):
         read_inspection_file(tmp_path)
 
 
-def test_all_problems_are_told_at_once_in_order(tmp_path):
+def test_all_problems_are_reported_at_once_in_order(tmp_path):
     text = (
-        with_dimensions("0.1 mm", "0.1")
+        with_characteristics("0.1 mm", "0.1")
         .replace("16 mm", "16 s")
-        .replace("  rotation: 0.02 deg", "  rotation: 0.02 deg\n  pivto: [0, 0, 1] mm")
+        .replace("  rotation: 0.02 deg", "  rotation: 0.02 deg\n  pivto: '[0, 0, 1] mm'")
         .replace("0.95", "95 %\n  probability: 1")
         + "candidates:\n  rolls: 1.5\n  cone: {half_angle: 60}\n"
     )
@@ -454,9 +519,11 @@ def test_all_problems_are_told_at_once_in_order(tmp_path):
     file = str(tmp_path / "inspection.yaml")
     message = str(error_of(tmp_path, text))
     assert message.startswith(f"{file}: 7 problems\n")
-    told = [line.removeprefix(f"{file}:").rsplit(": ", 1)[0] for line in message.split("\n") if line.startswith(file)]
-    assert told[1:] == [
-        "8:part.dimensions[1].tolerance",
+    reported = [
+        line.removeprefix(f"{file}:").rsplit(": ", 1)[0] for line in message.split("\n") if line.startswith(file)
+    ]
+    assert reported[1:] == [
+        "8:part.characteristics[1].tolerance",
         "9:camera.resolution",
         "10:camera.focal_length",
         "15:head.pivto",
@@ -477,7 +544,7 @@ def with_covariance(tmp_path, text):
 
 def test_covariance_rows(tmp_path):
     inspection = read(with_covariance(tmp_path, IDENTITY), COVARIANCE)
-    np.testing.assert_array_equal(inspection.head.covariance, np.eye(6))
+    np.testing.assert_array_equal(inspection.pose_error.covariance, np.eye(6))
     assert inspection.covariance_file == tmp_path / "c.yaml"
 
 
@@ -485,12 +552,12 @@ def test_covariance_with_order_and_units(tmp_path):
     rows = "\n".join(f"  - {row}" for row in np.diag([4.0, 5.0, 6.0, 1.0, 2.0, 3.0]).tolist())
     text = f"units: [um, mrad]\norder: rotation first\ncovariance:\n{rows}\n"
     inspection = read(with_covariance(tmp_path, text), COVARIANCE)
-    np.testing.assert_allclose(inspection.head.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
+    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
 
 
 def test_covariance_with_a_pose(tmp_path):
-    text = changed("  covariance: c.yaml\n", "  covariance: c.yaml\n  pivot: [0, 0, 1] mm\n", COVARIANCE)
-    assert read(with_covariance(tmp_path, IDENTITY), text).head.pivot_mm == (0, 0, 1)
+    text = changed("  covariance: c.yaml\n", "  covariance: c.yaml\n  frame: {position: '[0, 0, 1] mm'}\n", COVARIANCE)
+    assert read(with_covariance(tmp_path, IDENTITY), text).pose_error.pivot_mm == (0, 0, 1)
 
 
 @pytest.mark.parametrize(
@@ -511,7 +578,7 @@ def test_covariance_with_a_pose(tmp_path):
         ("covariance: 3\norder: backwards\n", 2, "order", "translation first or rotation first"),
     ],
 )
-def test_bad_covariance_files_are_told_in_their_own_lines(tmp_path, text, line, key, telling):
+def test_bad_covariance_files_are_reported_in_their_own_lines(tmp_path, text, line, key, telling):
     with_covariance(tmp_path, text)
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, COVARIANCE)
@@ -532,10 +599,10 @@ def test_a_matrix_that_is_no_covariance(tmp_path, old, new, telling):
     with_covariance(tmp_path, changed(old, new, IDENTITY))
     error = error_of(tmp_path, COVARIANCE)
     assert telling in str(error)
-    assert (error.line, error.key) == (8, "head.covariance")
+    assert (error.line, error.key) == (8, "pose_uncertainty.covariance")
 
 
 @pytest.mark.parametrize("name", ["none.yaml", "."])
-def test_a_missing_covariance_file_is_told_where_it_is_named(tmp_path, name):
+def test_a_missing_covariance_file_is_reported_where_it_is_named(tmp_path, name):
     error = error_of(tmp_path, changed("c.yaml", name, COVARIANCE))
-    assert (error.line, error.key) == (8, "head.covariance")
+    assert (error.line, error.key) == (8, "pose_uncertainty.covariance")

@@ -11,7 +11,7 @@ from viewgauge.formats.poses.pose_samples_file import read_pose_samples
 from viewgauge.geometry import PoseError, invert, pose_from_quaternion, quaternion_from_pose
 from viewgauge.simulation.full_camera import draw_pose_errors
 
-HEAD = PoseError.from_standard_deviations(0.1, 3e-4)
+POSE_ERROR = PoseError.from_standard_deviations(0.1, 3e-4)
 POSE = "x,y,z,qw,qx,qy,qz"
 MEASURED = ",".join("measured_" + name for name in POSE.split(","))
 
@@ -32,8 +32,8 @@ def cells(pose, scale=1.0):
 def pairs():
     """Commanded and measured poses of 20 samples, and their errors."""
     poses = commanded(20)
-    twist = np.random.default_rng(5).standard_normal((20, 6)) @ HEAD.factor.T
-    return poses, poses @ invert(draw_pose_errors(HEAD, 20, np.random.default_rng(5))), twist
+    twist = np.random.default_rng(5).standard_normal((20, 6)) @ POSE_ERROR.factor.T
+    return poses, poses @ invert(draw_pose_errors(POSE_ERROR, 20, np.random.default_rng(5))), twist
 
 
 def written(tmp_path, text, name="samples.csv"):
@@ -120,7 +120,7 @@ GOOD = f"{POSE},{MEASURED}\n0,0,0,1,0,0,0,0,0,0,1,0,0,0\n"
         ("log.yaml", yaml_of([[0.0], [0.1]], np.tile(np.eye(4), (2, 1, 1))), "too few poses"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_told(tmp_path, name, text, telling):
+def test_what_is_wrong_is_reported(tmp_path, name, text, telling):
     with pytest.raises(InputError) as raised:
         read_pose_samples(written(tmp_path, text, name))
     assert telling in str(raised.value)

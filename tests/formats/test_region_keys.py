@@ -10,7 +10,7 @@ from viewgauge.planning.region.allowed_region import Hemisphere
 
 BASE = """\
 camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
-head: {translation: 0.1 mm, rotation: 0.02 deg}
+pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
 requirement: {accuracy: 0.99, probability: 0.95}
 candidates:
 """
@@ -26,11 +26,11 @@ def test_places_are_read(tmp_path):
     options = read(
         tmp_path,
         """\
-  box: {lowest: [-300, -300, 5] mm, highest: [30, 30, 70] cm}
-  hemisphere: {centre: [0, 0, 10] mm, axis: [0, 1, 1], radius: 0.6 m}
+  box: {lowest: "[-300, -300, 5] mm", highest: [30, 30, 70] cm}
+  hemisphere: {centre: "[0, 0, 10] mm", axis: [0, 1, 1], radius: 0.6 m}
   forbidden:
-    - {lowest: [0, 0, 0] mm, highest: [100, 100, 100] mm}
-    - {lowest: [-9, -9, -9] mm, highest: [-8, -8, -8] mm}
+    - {lowest: "[0, 0, 0] mm", highest: "[100, 100, 100] mm"}
+    - {lowest: "[-9, -9, -9] mm", highest: "[-8, -8, -8] mm"}
   standoff: 2 cm
 """,
     ).candidates
@@ -51,19 +51,24 @@ def test_nothing_given_is_nothing_asked(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line", "key", "words"),
     [
-        ("  box: {lowest: [0, 0, 0] mm}\n", 5, "candidates.box.highest", "required key missing"),
-        ("  box: {lowest: [0, 0, 0] mm, highest: [1, 1, 0] mm}\n", 5, "candidates.box.highest", "box is empty"),
-        ("  box: {lowest: [0, 0, 0], highest: [1, 1, 1] mm}\n", 5, "candidates.box.lowest", "unit"),
-        ("  box: {lowest: [0, 0] mm, highest: [1, 1, 1] mm}\n", 5, "candidates.box.lowest", "3"),
-        ("  box: {lowest: [0, 0, 0] deg, highest: [1, 1, 1] mm}\n", 5, "candidates.box.lowest", "length"),
-        ("  box: [0, 1] mm\n", 5, "candidates.box", "not a section"),
-        ("  box: {lower: [0, 0, 0] mm, highest: [1, 1, 1] mm}\n", 5, "candidates.box.lower", "did you mean 'lowest'"),
-        ("  hemisphere: {axis: [0, 0, 0]}\n", 5, "candidates.hemisphere.axis", "no direction"),
-        ("  hemisphere: {axis: [0, 0, 1] mm}\n", 5, "candidates.hemisphere.axis", "plain numbers"),
-        ("  hemisphere:\n    radius: -3 mm\n", 6, "candidates.hemisphere.radius", "positive"),
-        ("  forbidden: {lowest: [0, 0, 0] mm}\n", 5, "candidates.forbidden", "a list"),
+        ("  box: {lowest: '[0, 0, 0] mm'}\n", 5, "candidates.box.highest", "required key missing"),
+        ("  box: {lowest: '[0, 0, 0] mm', highest: '[1, 1, 0] mm'}\n", 5, "candidates.box.highest", "box is empty"),
+        ("  box: {lowest: [0, 0, 0], highest: '[1, 1, 1] mm'}\n", 5, "candidates.box.lowest", "unit"),
+        ("  box: {lowest: '[0, 0] mm', highest: '[1, 1, 1] mm'}\n", 5, "candidates.box.lowest", "3"),
+        ("  box: {lowest: '[0, 0, 0] deg', highest: '[1, 1, 1] mm'}\n", 5, "candidates.box.lowest", "length"),
+        ("  box: '[0, 1] mm'\n", 5, "candidates.box", "not a section"),
         (
-            "  forbidden:\n    - {lowest: [0, 0, 0] mm, highest: [1, 1, 1] mm}\n    - 7\n",
+            "  box: {lower: '[0, 0, 0] mm', highest: '[1, 1, 1] mm'}\n",
+            5,
+            "candidates.box.lower",
+            "did you mean 'lowest'",
+        ),
+        ("  hemisphere: {axis: [0, 0, 0]}\n", 5, "candidates.hemisphere.axis", "no direction"),
+        ("  hemisphere: {axis: '[0, 0, 1] mm'}\n", 5, "candidates.hemisphere.axis", "plain numbers"),
+        ("  hemisphere:\n    radius: -3 mm\n", 6, "candidates.hemisphere.radius", "positive"),
+        ("  forbidden: {lowest: '[0, 0, 0] mm'}\n", 5, "candidates.forbidden", "a list"),
+        (
+            "  forbidden:\n    - {lowest: '[0, 0, 0] mm', highest: '[1, 1, 1] mm'}\n    - 7\n",
             7,
             "candidates.forbidden[1]",
             "not a section",
@@ -72,7 +77,7 @@ def test_nothing_given_is_nothing_asked(tmp_path):
         ("  standoff: 3\n", 5, "candidates.standoff", "unit"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(tmp_path, text, line, key, words):
+def test_what_is_wrong_is_reported_with_its_place(tmp_path, text, line, key, words):
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, text)
     error = caught.value

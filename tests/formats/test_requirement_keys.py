@@ -6,13 +6,13 @@ from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, 
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 
-HEAD = """\
+POSE_ERROR = """\
 part: {file: part.step}
 camera:
   focal_length: 16 mm
   pixel_pitch: 3.45 um
   resolution: [2448, 2048]
-head: {translation: 0.1 mm, rotation: 0.02 deg}
+pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
 requirement:
 """  # the requirement begins in line 8
 
@@ -31,7 +31,7 @@ CONFORMANCE = """\
 
 def read(tmp_path, section):
     path = tmp_path / "inspection.yaml"
-    path.write_text(HEAD + section)
+    path.write_text(POSE_ERROR + section)
     return read_inspection_file(path)
 
 
@@ -124,14 +124,14 @@ BAD = [
 
 
 @pytest.mark.parametrize(("section", "line", "key", "message"), BAD)
-def test_what_cannot_be_used_is_told_where_it_stands(tmp_path, section, line, key, message):
+def test_what_cannot_be_used_is_reported_where_it_stands(tmp_path, section, line, key, message):
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, section)
     assert (caught.value.line, caught.value.key) == (line, f"requirement{key}")
     assert message in str(caught.value)
 
 
-def test_all_problems_are_told_at_once(tmp_path):
+def test_all_problems_are_reported_at_once(tmp_path):
     section = changed("20 um", "20").replace("1 %", "-1 %").replace("rule: guarded", "rule: none") + "  zzz: 1\n"
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, section)

@@ -45,7 +45,7 @@ def test_sweeps(numbers):
     assert texts(numbers) == as_repr(numbers)
 
 
-def test_rows_are_pairs_setting_by_setting():
+def test_rows_are_pairs_viewpoint_by_viewpoint():
     columns = [
         (np.array([0, 1, 1, 0, 0, 1]), [b"False", b"True"]),
         np.array([1.0, np.nan, 3.25, -1.0, 1e30, 0.0]),

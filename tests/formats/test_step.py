@@ -195,13 +195,13 @@ def test_an_assembly_is_read_in_the_frame_of_its_root(tmp_path):
     _assert_outward(brep, 0.5)
 
 
-def test_a_dimension_in_an_assembly_finds_every_instance(tmp_path):
+def test_a_characteristic_in_an_assembly_finds_every_instance(tmp_path):
     one = block()
     path = write(compound(moved(one, 100, 0, 0), moved(one, 0, 0, 50)), tmp_path / "a.step", assembly=True)
     (wall,) = (number for number, point in _planes_and_walls(path.read_text()) if point is None)
     brep = read_step(_with_dimensions(path, {"hole": wall}))
-    assert [r.kind for r in brep.callouts[0].first] == ["face", "face"]
-    assert {brep.faces[r.index].kind for r in brep.callouts[0].first} == {"cylinder"}
+    assert [r.kind for r in brep.pmi_records[0].first] == ["face", "face"]
+    assert {brep.faces[r.index].kind for r in brep.pmi_records[0].first} == {"cylinder"}
 
 
 def _planes_and_walls(text: str):
@@ -224,8 +224,8 @@ def _with_dimensions(path: Path, faces: dict[str, int]) -> Path:
         n = 900_000 + 10 * k
         lines.append(f"#{n}=SHAPE_ASPECT('','',#{n},.T.);#{n + 1}=DIMENSIONAL_SIZE(#{n},'{label}');")
         lines.append(f"#{n + 2}=GEOMETRIC_ITEM_SPECIFIC_USAGE('','',#{n},$,#{face});")
-    head, end = path.read_text().rsplit("ENDSEC;", 1)
-    path.write_text(head + "\n".join(lines) + "\nENDSEC;" + end)
+    pose_error, end = path.read_text().rsplit("ENDSEC;", 1)
+    path.write_text(pose_error + "\n".join(lines) + "\nENDSEC;" + end)
     return path
 
 
@@ -234,14 +234,14 @@ def test_every_face_record_finds_its_face(tmp_path):
     planes = dict(_planes_and_walls(path.read_text()))
     assert len(planes) == 7
     brep = read_step(_with_dimensions(path, {str(number): number for number in planes}))
-    assert len(brep.callouts) == 7
-    for callout in brep.callouts:
-        (reference,) = callout.first
-        face, point = brep.faces[reference.index], planes[int(callout.label)]
+    assert len(brep.pmi_records) == 7
+    for pmi_record in brep.pmi_records:
+        (reference,) = pmi_record.first
+        face, point = brep.faces[reference.index], planes[int(pmi_record.label)]
         assert face.kind == ("cylinder" if point is None else "plane")
         if point is not None:
             assert (point * 25.4 - face.origin) @ face.axis == pytest.approx(0.0, abs=1e-6)
-    assert len({callout.first for callout in brep.callouts}) == 7
+    assert len({pmi_record.first for pmi_record in brep.pmi_records}) == 7
 
 
 def _assert_outward(brep: Brep, step: float) -> None:
@@ -332,7 +332,7 @@ def test_too_little_memory_is_an_error_and_no_crash(tmp_path):
         read_step(path, memory_bytes=300 * 2**20)
 
 
-# PLUS_MINUS_TOLERANCE and dimensions of each file as counted by the data's README; callouts with a tolerance: those,
+# PLUS_MINUS_TOLERANCE and dimensions of each file as counted by the data's README; PMI records with a tolerance: those,
 # and in case 1 two diameters with limits instead ("upper limit", "lower limit").
 CASES = {
     1: (6, {"distance": 2, "diameter": 9, "angle": 1}, 8, "mm"),
@@ -351,15 +351,15 @@ def case(request) -> tuple[int, Path, Brep]:
     return request.param, found[0], read_step(found[0])
 
 
-def test_nist_dimensions_are_complete(case):
+def test_nist_characteristics_are_complete(case):
     number, _, brep = case
     plus_minus, kinds, toleranced, unit = CASES[number]
     assert brep.plus_minus_count == plus_minus
-    assert Counter(callout.kind for callout in brep.callouts) == kinds
-    assert sum(callout.tolerance_mm is not None for callout in brep.callouts) == toleranced
+    assert Counter(pmi_record.kind for pmi_record in brep.pmi_records) == kinds
+    assert sum(pmi_record.tolerance_mm is not None for pmi_record in brep.pmi_records) == toleranced
     assert brep.length_unit == unit
     assert any("by limits" in note for note in brep.notes) == (toleranced > plus_minus)
-    assert len({callout.name for callout in brep.callouts}) == len(brep.callouts)
+    assert len({pmi_record.name for pmi_record in brep.pmi_records}) == len(brep.pmi_records)
 
 
 def test_nist_geometry_is_watertight_and_outward(case):
@@ -372,48 +372,48 @@ def test_nist_geometry_is_watertight_and_outward(case):
 
 def test_nist_diameters_are_those_of_the_faces_they_refer_to(case):
     _, _, brep = case
-    diameters = [c for c in brep.callouts if c.kind == "diameter" and c.first and not math.isnan(c.nominal_mm)]
+    diameters = [c for c in brep.pmi_records if c.kind == "diameter" and c.first and not math.isnan(c.nominal_mm)]
     assert diameters
-    for callout in diameters:
-        for reference in callout.first:
+    for pmi_record in diameters:
+        for reference in pmi_record.first:
             source = brep.faces if reference.kind == "face" else brep.edges
-            assert 2 * source[reference.index].radius_mm == pytest.approx(callout.nominal_mm, abs=1e-6)
+            assert 2 * source[reference.index].radius_mm == pytest.approx(pmi_record.nominal_mm, abs=1e-6)
 
 
 def test_nist_distances_are_those_of_the_planes_they_refer_to(case):
     _, _, brep = case
-    for callout in brep.callouts:
+    for pmi_record in brep.pmi_records:
         if (
-            callout.kind != "distance"
-            or callout.problem
-            or {r.kind for r in callout.first + callout.second} != {"face"}
+            pmi_record.kind != "distance"
+            or pmi_record.problem
+            or {r.kind for r in pmi_record.first + pmi_record.second} != {"face"}
         ):
             continue
-        one, other = (brep.faces[side[0].index] for side in (callout.first, callout.second))
+        one, other = (brep.faces[side[0].index] for side in (pmi_record.first, pmi_record.second))
         if one.kind == other.kind == "plane":
-            assert abs(one.axis @ (one.origin - other.origin)) == pytest.approx(callout.nominal_mm, abs=1e-6)
+            assert abs(one.axis @ (one.origin - other.origin)) == pytest.approx(pmi_record.nominal_mm, abs=1e-6)
 
 
 def test_nist_problems_are_said(case):
     number, _, brep = case
-    for callout in brep.callouts:
-        understood = bool(callout.first) and (callout.kind != "distance" or bool(callout.second))
-        assert (understood and not math.isnan(callout.nominal_mm)) or callout.problem
-    assert sum(bool(callout.problem) for callout in brep.callouts) == {1: 4, 2: 0, 3: 1, 4: 2, 5: 4}[number]
+    for pmi_record in brep.pmi_records:
+        understood = bool(pmi_record.first) and (pmi_record.kind != "distance" or bool(pmi_record.second))
+        assert (understood and not math.isnan(pmi_record.nominal_mm)) or pmi_record.problem
+    assert sum(bool(pmi_record.problem) for pmi_record in brep.pmi_records) == {1: 4, 2: 0, 3: 1, 4: 2, 5: 4}[number]
 
 
 def test_nist_values_agree_with_the_kernels_own_reading(case):
     """XCAF reads most of the same values by other code, deviations without their sign."""
     _, path, brep = case
-    own = {callout.name: callout for callout in brep.callouts}
+    own = {pmi_record.name: pmi_record for pmi_record in brep.pmi_records}
     compared = 0
     for name, value, lower, upper in _kernel_dimensions(path):
-        callout = own[name]
-        scale = math.degrees(1.0) if callout.kind == "angle" else 1.0
-        assert callout.nominal_mm * scale == pytest.approx(value, rel=1e-9)
+        pmi_record = own[name]
+        scale = math.degrees(1.0) if pmi_record.kind == "angle" else 1.0
+        assert pmi_record.nominal_mm * scale == pytest.approx(value, rel=1e-9)
         if (lower, upper) != (0.0, 0.0):
-            assert callout.tolerance_mm is not None
-            assert [abs(x) * scale for x in callout.tolerance_mm] == pytest.approx([lower, upper], abs=1e-9)
+            assert pmi_record.tolerance_mm is not None
+            assert [abs(x) * scale for x in pmi_record.tolerance_mm] == pytest.approx([lower, upper], abs=1e-9)
         compared += 1
     assert compared >= CASES[case[0]][0] - 1  # it drops a few
 

@@ -14,7 +14,7 @@ from viewgauge.formats.step import kernel_process as step_process
 from viewgauge.formats.step.brep_archive import load_brep, save_brep
 from viewgauge.formats.step.kernel_child import main as child_main
 from viewgauge.formats.step.kernel_process import read_step, reading_step
-from viewgauge.part.brep import Brep, Callout, Edge, Face, Reference
+from viewgauge.part.brep import Brep, Edge, Face, PmiRecord, Reference
 from viewgauge.part.mesh import Mesh
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and address-space limits are POSIX only")
@@ -50,14 +50,14 @@ def example() -> Brep:
         True,
         True,
     )
-    callouts = (
-        Callout(
+    pmi_records = (
+        PmiRecord(
             "ü 1", "distance", "linear distance", 4.0, (-0.1, 0.3), (Reference("face", 1),), (Reference("edge", 0),)
         ),
-        Callout("2", "angle", "angle", np.nan, None, (), (), "the file gives no value"),
+        PmiRecord("2", "angle", "angle", np.nan, None, (), (), "the file gives no value"),
     )
     mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]), 0.05)
-    return Brep("part", "inch", faces, (line, circle), mesh, callouts, 3, ("a note",))
+    return Brep("part", "inch", faces, (line, circle), mesh, pmi_records, 3, ("a note",))
 
 
 @pytest.fixture
@@ -85,9 +85,9 @@ def test_a_brep_survives_the_archive_unchanged(tmp_path):
     save_brep(brep, tmp_path)
     again = load_brep(tmp_path)
     assert (again.name, again.length_unit, again.plus_minus_count, again.notes) == ("part", "inch", 3, ("a note",))
-    assert again.callouts[0] == brep.callouts[0]
-    assert again.callouts[1].tolerance_mm is None
-    assert np.isnan(again.callouts[1].nominal_mm)
+    assert again.pmi_records[0] == brep.pmi_records[0]
+    assert again.pmi_records[1].tolerance_mm is None
+    assert np.isnan(again.pmi_records[1].nominal_mm)
     assert again.mesh.chord_error_mm == 0.05
     np.testing.assert_array_equal(again.mesh.triangles, brep.mesh.triangles)
     for old, new in zip(brep.edges, again.edges, strict=True):
@@ -165,7 +165,7 @@ def test_a_child_that_claims_success_without_a_result(step_file):
 
 
 @posix
-def test_a_crash_over_the_dimensions_leaves_the_geometry(step_file):
+def test_a_crash_over_the_characteristics_leaves_the_geometry(step_file):
     crash = (
         "import json, os, signal, sys\nif json.loads(sys.argv[3])['with_pmi']: os.kill(os.getpid(), signal.SIGSEGV)\n"
     )
@@ -231,7 +231,7 @@ def test_a_block_that_fails_ends_the_child(step_file, tmp_path, monkeypatch, int
         _wait_until_gone(int(pid.read_text()))
 
 
-def test_what_is_wrong_with_the_file_is_told_when_the_part_is_asked_for(tmp_path):
+def test_what_is_wrong_with_the_file_is_reported_when_the_part_is_asked_for(tmp_path):
     with reading_step(tmp_path / "none.step") as finish, pytest.raises(PartFileError, match="does not exist"):
         finish()
 
@@ -285,7 +285,7 @@ def test_the_memory_limit_is_set_in_the_child(step_file):
     assert "more than 1 GiB of memory" in error.problem
 
 
-def test_without_the_kernel_the_user_is_told_what_to_install(step_file, monkeypatch):
+def test_without_the_kernel_the_user_is_reported_what_to_install(step_file, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     error = refused(step_file)
     assert error.hint == 'pip install "viewgauge[step]"'

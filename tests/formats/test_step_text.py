@@ -6,7 +6,7 @@ import string
 import numpy as np
 import pytest
 
-from viewgauge.formats.step.pmi import DimensionReader, to_callouts
+from viewgauge.formats.step.pmi import DimensionReader, to_pmi_records
 from viewgauge.formats.step.step_text import Enumeration, Record, Ref, StepText, decode_string, not_a_number
 from viewgauge.formats.step.step_units import Units
 from viewgauge.part.brep import Edge, Face, Reference
@@ -107,17 +107,17 @@ def test_units_that_refer_to_themselves_end():
 
 def test_nominal_and_deviations_are_converted_to_mm():
     dimension, reader = read(more=tolerance("-0.1", "0.2", "#3"), unit="#3")
-    assert dimension.callout.nominal_mm == pytest.approx(50.8, rel=1e-15)
-    assert dimension.callout.tolerance_mm == pytest.approx((-2.54, 5.08), rel=1e-15)
+    assert dimension.pmi_record.nominal_mm == pytest.approx(50.8, rel=1e-15)
+    assert dimension.pmi_record.tolerance_mm == pytest.approx((-2.54, 5.08), rel=1e-15)
     assert dimension.first == (20,)
-    assert dimension.callout.name == "diameter_1"
+    assert dimension.pmi_record.name == "diameter_1"
     assert reader.plus_minus == {30: [41]}
 
 
 @pytest.mark.parametrize("bounds", [("0.1", "0.3"), ("-0.3", "-0.1"), ("0.", "0.2")])
 def test_deviations_keep_their_sign(bounds):
     dimension, _ = read(more=tolerance(*bounds))
-    assert dimension.callout.tolerance_mm == tuple(float(bound) for bound in bounds)
+    assert dimension.pmi_record.tolerance_mm == tuple(float(bound) for bound in bounds)
 
 
 def limit(number: int, name: str, value: float) -> str:
@@ -130,27 +130,27 @@ def limit(number: int, name: str, value: float) -> str:
 def test_limits_become_deviations_from_the_nominal_value():
     limits = limit(50, "upper limit", 2.3) + limit(51, "lower limit", 1.9)
     dimension, _ = read(more=limits, items="#33,#50,#51")
-    assert dimension.callout.nominal_mm == 2.0
-    assert dimension.callout.tolerance_mm == pytest.approx((-0.1, 0.3))
+    assert dimension.pmi_record.nominal_mm == 2.0
+    assert dimension.pmi_record.tolerance_mm == pytest.approx((-0.1, 0.3))
     middle, _ = read(more=limits, items="#50,#51")
-    assert middle.callout.nominal_mm == pytest.approx(2.1)
-    assert middle.callout.tolerance_mm == pytest.approx((-0.2, 0.2))
+    assert middle.pmi_record.nominal_mm == pytest.approx(2.1)
+    assert middle.pmi_record.tolerance_mm == pytest.approx((-0.2, 0.2))
 
 
-def test_a_basic_dimension_has_no_tolerance():
+def test_a_basic_characteristic_has_no_tolerance():
     note = "#50=DESCRIPTIVE_REPRESENTATION_ITEM('dimensional note','theoretical');"
     dimension, _ = read(more=note, items="#50,#33")
-    assert dimension.callout.nominal_mm == 2.0
-    assert dimension.callout.tolerance_mm is None
-    assert dimension.callout.problem == ""
+    assert dimension.pmi_record.nominal_mm == 2.0
+    assert dimension.pmi_record.tolerance_mm is None
+    assert dimension.pmi_record.problem == ""
 
 
 def test_what_cannot_be_read_is_named():
-    assert read(items="")[0].callout.problem == "the file gives no value"
+    assert read(items="")[0].pmi_record.problem == "the file gives no value"
     fit = "#40=PLUS_MINUS_TOLERANCE(#41,#30);#41=LIMITS_AND_FITS('H','hole','7','');"
-    assert "tolerance class (H hole 7)" in read(more=fit)[0].callout.problem
-    assert "no readable limits" in read(more="#40=PLUS_MINUS_TOLERANCE(#41,#30);")[0].callout.problem
-    assert "curved distance" in read("DIMENSIONAL_LOCATION('curved distance','',#10,#11)")[0].callout.problem
+    assert "tolerance class (H hole 7)" in read(more=fit)[0].pmi_record.problem
+    assert "no readable limits" in read(more="#40=PLUS_MINUS_TOLERANCE(#41,#30);")[0].pmi_record.problem
+    assert "curved distance" in read("DIMENSIONAL_LOCATION('curved distance','',#10,#11)")[0].pmi_record.problem
     lost = read("DIMENSIONAL_SIZE(#99,'diameter')")[0]
     assert lost.first == ()
     assert lost.problem_first == "refers to no geometry"
@@ -179,12 +179,12 @@ def test_a_reference_to_other_geometry_is_named():
 )  # fmt: skip
 def test_kinds_and_sides(dimension, kind):
     found, _ = read(dimension)
-    assert found.callout.kind == kind
+    assert found.pmi_record.kind == kind
     assert found.first == (20,)
     assert found.second == ((21,) if "#11" in dimension else ())
 
 
-def test_a_pattern_is_one_dimension_with_all_its_faces():
+def test_a_pattern_is_one_characteristic_with_all_its_faces():
     more = (
         "#70=(COMPOSITE_SHAPE_ASPECT() DATUM_FEATURE() SHAPE_ASPECT('','',#9,.T.));"
         "#71=SHAPE_ASPECT_RELATIONSHIP('','',#70,#10);#72=SHAPE_ASPECT_RELATIONSHIP('','',#70,#73);"
@@ -196,14 +196,14 @@ def test_a_pattern_is_one_dimension_with_all_its_faces():
     assert read("DIMENSIONAL_SIZE(#70,'diameter')", more)[0].first == (20, 78, 21)
 
 
-def test_captions_name_dimensions_apart():
+def test_captions_name_characteristics_apart():
     more = (
         "#80=DRAUGHTING_CALLOUT('Size/1  x',());#81=DRAUGHTING_MODEL_ITEM_ASSOCIATION('','',#30,#8,#80);"
         "#34=DIMENSIONAL_SIZE(#10,'thickness');#82=DRAUGHTING_MODEL_ITEM_ASSOCIATION('','',#34,#8,#80);"
         "#35=DIMENSIONAL_SIZE(#10,'');"
     )
     text = UNITS + ASPECTS + DIMENSION.substitute(dimension=SIZE, unit="#1", items="#33") + more
-    names = [dimension.callout.name for dimension in DimensionReader(StepText.scan(text)).dimensions()]
+    names = [dimension.pmi_record.name for dimension in DimensionReader(StepText.scan(text)).dimensions()]
     assert names == ["Size-1 x", "Size-1 x_2", "dimension_3"]
 
 
@@ -213,7 +213,7 @@ def test_notes_explain_the_counts():
         + "#44=PLUS_MINUS_TOLERANCE(#41,#30);#45=PLUS_MINUS_TOLERANCE(#41,#99);"
     )  # fmt: skip
     dimension, reader = read(more=more)
-    notes = " ".join(reader.notes([dimension.callout]))
+    notes = " ".join(reader.notes([dimension.pmi_record]))
     assert "1 PLUS_MINUS_TOLERANCE entities belong to no dimension" in notes
     assert "1 PLUS_MINUS_TOLERANCE entities repeat" in notes
     assert DimensionReader(StepText.scan("")).notes([]) == ["The file has no semantic PMI dimensions: geometry only."]
@@ -226,16 +226,16 @@ EDGES = tuple(
 )
 
 
-def callout(dimension, shapes):
-    return to_callouts([dimension], shapes, FACES, EDGES)[0]
+def pmi_record(dimension, shapes):
+    return to_pmi_records([dimension], shapes, FACES, EDGES)[0]
 
 
 def test_references_become_indices_and_lost_ones_a_problem():
     dimension, _ = read("DIMENSIONAL_LOCATION('linear distance','',#10,#11)")
     face, edge = Reference("face", 0), Reference("edge", 1)
-    found = callout(dimension, {20: [face], 21: [edge, edge]})
+    found = pmi_record(dimension, {20: [face], 21: [edge, edge]})
     assert (found.first, found.second, found.problem) == ((face,), (edge,), "")
-    assert callout(dimension, {20: [face]}).problem == "1 of 1 faces and edges it refers to are not on the part"
+    assert pmi_record(dimension, {20: [face]}).problem == "1 of 1 faces and edges it refers to are not on the part"
 
 
 def test_a_centre_is_known_by_round_faces_only():
@@ -245,13 +245,13 @@ def test_a_centre_is_known_by_round_faces_only():
     dimension, _ = read("DIMENSIONAL_LOCATION('linear distance','',#70,#11)", derived)
     assert dimension.first == (20,)
     edge = {21: [Reference("edge", 0)]}
-    assert "derived" in callout(dimension, {20: [Reference("face", 0)], **edge}).problem
-    assert callout(dimension, {20: [Reference("face", 1)], **edge}).problem == ""
+    assert "derived" in pmi_record(dimension, {20: [Reference("face", 0)], **edge}).problem
+    assert pmi_record(dimension, {20: [Reference("face", 1)], **edge}).problem == ""
 
 
 def test_a_curve_length_is_a_length_where_the_curve_is_straight():
     dimension, _ = read("DIMENSIONAL_SIZE(#11,'curve length')")
-    assert callout(dimension, {21: [Reference("edge", 0)]}).kind == "length"
-    bent = callout(dimension, {21: [Reference("edge", 1)]})
+    assert pmi_record(dimension, {21: [Reference("edge", 0)]}).kind == "length"
+    bent = pmi_record(dimension, {21: [Reference("edge", 1)]})
     assert bent.kind == "other"
     assert "curve length" in bent.problem

@@ -21,7 +21,7 @@ COLUMNS = (
     Column("visible", "flag"),
     Column("reason", "name", REASONS),
     Column("probability"),
-    Column("gauge", "whole", in_rows=False),
+    Column("measurand", "whole", in_rows=False),
     Column("accepted", "flag"),
     Column("validity", "name", ("",)),
     Column("angle_rad"),
@@ -29,20 +29,20 @@ COLUMNS = (
 )
 
 
-def layout(settings=23, dimensions=5, chunk_settings=4):
+def layout(viewpoints=23, characteristics=5, chunk_viewpoints=4):
     return TableLayout(
-        ["S,1", 'S"2', "", *(f"S{k}" for k in range(3, settings))][:settings],
-        [f"dim {k}" for k in range(dimensions)],
+        ["S,1", 'S"2', "", *(f"S{k}" for k in range(3, viewpoints))][:viewpoints],
+        [f"dim {k}" for k in range(characteristics)],
         COLUMNS,
-        chunk_settings,
-        {"nominal_mm": np.arange(dimensions) + 0.1, "allowed_error_mm": np.full(dimensions, 1e-3)},
+        chunk_viewpoints,
+        {"nominal_mm": np.arange(characteristics) + 0.1, "allowed_error_mm": np.full(characteristics, 1e-3)},
         {"method": "joint", "required_probability": 0.95},
     )
 
 
 def whole(of):
     """All values of a table; some are NaN, infinite or zero, and some chunks are all the same."""
-    shape = (len(of.setting_ids), len(of.dimension_ids))
+    shape = (len(of.viewpoint_ids), len(of.characteristic_ids))
     rng = np.random.default_rng(5)
     visible = rng.random(shape) < 0.5
     visible[:4] = False
@@ -52,7 +52,7 @@ def whole(of):
         "visible": visible,
         "reason": np.where(visible, 3, rng.integers(0, 3, shape)).astype(np.int8),
         "probability": np.where(visible, rng.random(shape), 0.0),
-        "gauge": rng.integers(0, 9, shape),
+        "measurand": rng.integers(0, 9, shape),
         "accepted": visible & (rng.random(shape) < 0.5),
         "validity": np.zeros(shape, dtype=np.uint8),
         "angle_rad": angle,
@@ -61,7 +61,7 @@ def whole(of):
 
 
 def part(of, values, chunk):
-    return of.settings(chunk).start, {name: array[of.settings(chunk)] for name, array in values.items()}
+    return of.viewpoints(chunk).start, {name: array[of.viewpoints(chunk)] for name, array in values.items()}
 
 
 def write(path, of, order=None, **options):
@@ -74,14 +74,14 @@ def write(path, of, order=None, **options):
 def dataset(of):
     """The same as a dataset in memory."""
     xr = pytest.importorskip("xarray")
-    values, over = whole(of), ("setting", "dimension")
+    values, over = whole(of), ("viewpoint", "characteristic")
     texts = {c.name: np.array(c.names, dtype=object)[values[c.name]] for c in COLUMNS if c.kind == "name"}
     return xr.Dataset(
         {name: (over, array) for name, array in {**values, **texts}.items()},
         coords={
-            "setting": ("setting", list(of.setting_ids)),
-            "dimension": ("dimension", list(of.dimension_ids)),
-            **{name: ("dimension", array) for name, array in of.coordinates.items()},
+            "viewpoint": ("viewpoint", list(of.viewpoint_ids)),
+            "characteristic": ("characteristic", list(of.characteristic_ids)),
+            **{name: ("characteristic", array) for name, array in of.coordinates.items()},
         },
         attrs=dict(of.attrs),
     )
@@ -89,8 +89,8 @@ def dataset(of):
 
 def rows(of):
     names = [column.name for column in of.row_columns]
-    frame = dataset(of)[names].to_dataframe(dim_order=["setting", "dimension"]).reset_index()
-    return frame[["setting", "dimension", *names]]
+    frame = dataset(of)[names].to_dataframe(dim_order=["viewpoint", "characteristic"]).reset_index()
+    return frame[["viewpoint", "characteristic", *names]]
 
 
 def tree(folder):
@@ -101,9 +101,9 @@ def tree(folder):
 # --- formats: what pandas and xarray write of the same values ---------------------------------------------------------
 
 
-@pytest.mark.parametrize("chunk_settings", [1, 4, 23, 100])
-def test_csv_is_that_of_pandas_to_the_byte(tmp_path, chunk_settings):
-    of = layout(chunk_settings=chunk_settings)
+@pytest.mark.parametrize("chunk_viewpoints", [1, 4, 23, 100])
+def test_csv_is_that_of_pandas_to_the_byte(tmp_path, chunk_viewpoints):
+    of = layout(chunk_viewpoints=chunk_viewpoints)
     write(tmp_path / "t.csv", of)
     rows(of).to_csv(tmp_path / "expected.csv", index=False, lineterminator="\n")
     assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "expected.csv").read_bytes()
@@ -154,7 +154,7 @@ def test_a_dataset_is_written_like_its_chunks(tmp_path, suffix, monkeypatch):
 @pytest.mark.parametrize("suffix", [".csv", ".parquet", ".zarr"])
 def test_tables_without_rows(tmp_path, suffix):
     pytest.importorskip("zarr" if suffix == ".zarr" else "pyarrow")
-    for of in (layout(settings=0), layout(dimensions=0)):
+    for of in (layout(viewpoints=0), layout(characteristics=0)):
         write(tmp_path / f"t{suffix}", of)
         assert (tmp_path / f"t{suffix}").exists()
 
@@ -215,7 +215,10 @@ def test_errors_of_the_program(tmp_path, suffix):
     of, path = layout(), tmp_path / f"t{suffix}"
     with pytest.raises(ValueError, match="missing"):
         write(path, of, [0, 1])
-    with pytest.raises(ValueError, match="no chunk of 4 settings begins with setting 3"), open_table(path, of) as store:
+    with (
+        pytest.raises(ValueError, match="no chunk of 4 viewpoints begins with viewpoint 3"),
+        open_table(path, of) as store,
+    ):
         store.write(3, {})
     with pytest.raises(ValueError, match=r"column visible of chunk 5: shape \(4, 5\)"), open_table(path, of) as store:
         store.write(20, part(of, whole(of), 0)[1])
@@ -250,7 +253,7 @@ def test_a_missing_library_is_named(tmp_path, monkeypatch, suffix, library):
 def test_csv_goes_to_a_device():
     command = [sys.executable, "-c", WRITE_TO_STDOUT]
     out = subprocess.run(command, stdout=subprocess.PIPE, check=True, cwd=Path(__file__).parent).stdout
-    assert out.startswith(b"setting,dimension,visible,")
+    assert out.startswith(b"viewpoint,characteristic,visible,")
     assert out.count(b"\n") == 1 + 23 * 5
 
 
@@ -266,7 +269,7 @@ with tempfile.TemporaryDirectory() as folder:
 # --- Zarr: several processes, jobs that go on -------------------------------------------------------------------------
 
 
-def test_what_is_done_is_told_and_need_not_be_written_again(tmp_path):
+def test_what_is_done_is_reported_and_need_not_be_written_again(tmp_path):
     pytest.importorskip("zarr")
     of, values, path = layout(), whole(layout()), tmp_path / "t.zarr"
     write(tmp_path / "once.zarr", of)
@@ -301,7 +304,7 @@ def test_what_is_done_is_told_and_need_not_be_written_again(tmp_path):
 
 def test_several_processes_write_each_their_chunks(tmp_path):
     pytest.importorskip("zarr")
-    of = layout(settings=40)
+    of = layout(viewpoints=40)
     write(tmp_path / "once.zarr", of)
     with open_table(tmp_path / "t.zarr", of, "job") as store:
         packed = pickle.dumps(store.writer())
@@ -321,7 +324,7 @@ WRITE_EACH_THIRD = """
 import pickle, sys
 from test_table_store import layout, part, whole
 writer = pickle.load(sys.stdin.buffer)
-of = layout(settings=40)
+of = layout(viewpoints=40)
 for chunk in range(int(sys.argv[1]), of.chunks, 3):
     writer.write(*part(of, whole(of), chunk), {"by": sys.argv[1]})
 """
@@ -330,7 +333,7 @@ JOB = """
 import sys, time
 from test_table_store import layout, part, whole
 from viewgauge.formats.tables.table_store import open_table
-of = layout(settings=100)
+of = layout(viewpoints=100)
 values = whole(of)
 print("begins", flush=True)
 with open_table(sys.argv[1], of, "job") as store:
@@ -345,7 +348,7 @@ print("finished", flush=True)
 
 def test_a_job_that_is_killed_again_and_again_gives_the_same_bytes(tmp_path):
     pytest.importorskip("zarr")
-    of = layout(settings=100)
+    of = layout(viewpoints=100)
     write(tmp_path / "once.zarr", of)
     path, done, rng = tmp_path / "t.zarr", [], np.random.default_rng(6)
 
@@ -353,14 +356,14 @@ def test_a_job_that_is_killed_again_and_again_gives_the_same_bytes(tmp_path):
         """Run until so many lines are told and then a moment longer; whether it has finished."""
         command = [sys.executable, "-c", JOB, str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parent) as job:
-            told = [job.stdout.readline() for _ in range(lines)]
+            reported = [job.stdout.readline() for _ in range(lines)]
             try:
                 job.wait(delay_s)
             except subprocess.TimeoutExpired:
                 os.kill(job.pid, signal.SIGKILL)
-            told += job.stdout.readlines()
-        done.extend(int(line.split()[1]) for line in told if line.startswith("done"))
-        return "finished\n" in told
+            reported += job.stdout.readlines()
+        done.extend(int(line.split()[1]) for line in reported if line.startswith("done"))
+        return "finished\n" in reported
 
     # killed while the table is begun, in the midst of chunks, and a hair before or after the end
     for lines in (1, 2, 4, 9, 3, 6, 2):

@@ -12,9 +12,9 @@ from strategies import points_in_front, pose_covariances, rigid_poses
 FULL = np.diag([0.1, 0.2, 0.3, 1e-3, 2e-3, 3e-3]) ** 2
 
 
-def displaced(point_camera, T_camera_head, d, angles):
-    """A camera-frame point after the head frame's coordinates moved by q' = q + angles x q + d."""
-    q = np.linalg.solve(T_camera_head, [*point_camera, 1])[:3]
+def displaced(point_camera, T_camera_frame, d, angles):
+    """A camera-frame point after the pose error frame's coordinates moved by q' = q + angles x q + d."""
+    q = np.linalg.solve(T_camera_frame, [*point_camera, 1])[:3]
     q = (
         q
         + np.array(
@@ -26,13 +26,13 @@ def displaced(point_camera, T_camera_head, d, angles):
         )
         + d
     )
-    return (T_camera_head @ [*q, 1])[:3]
+    return (T_camera_frame @ [*q, 1])[:3]
 
 
-def displacement_covariance_by_force(covariance, T_camera_head, point):
+def displacement_covariance_by_force(covariance, T_camera_frame, point):
     """3x3 covariance of a point's displacement, by displacing it with each of the six errors in turn."""
     steps = np.eye(6)
-    columns = np.array([displaced(point, T_camera_head, e[:3], e[3:]) - point for e in steps]).T
+    columns = np.array([displaced(point, T_camera_frame, e[:3], e[3:]) - point for e in steps]).T
     return columns @ covariance @ columns.T
 
 
@@ -44,12 +44,14 @@ def displacement_covariance_at_camera(error, point):
 
 @settings(deadline=None)
 @given(pose_covariances(), rigid_poses(), points_in_front())
-def test_the_error_moves_points_alike_told_in_the_head_or_in_the_camera_frame(covariance, T_camera_head, point):
-    error = vg.PoseError(covariance, T_camera_head=T_camera_head)
-    expected = displacement_covariance_by_force(covariance, T_camera_head, point)
+def test_the_error_moves_points_alike_reported_in_the_pose_error_or_in_the_camera_frame(
+    covariance, T_camera_frame, point
+):
+    error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
+    expected = displacement_covariance_by_force(covariance, T_camera_frame, point)
     actual = displacement_covariance_at_camera(error, point)
     # rounding grows with the lever arms squared
-    scale = (covariance.max() + 1e-300) * (1 + np.linalg.norm(point) + np.linalg.norm(T_camera_head[:3, 3])) ** 2
+    scale = (covariance.max() + 1e-300) * (1 + np.linalg.norm(point) + np.linalg.norm(T_camera_frame[:3, 3])) ** 2
     np.testing.assert_allclose(actual, expected, rtol=1e-9, atol=1e-12 * scale)
 
 
@@ -57,19 +59,19 @@ def test_the_error_moves_points_alike_told_in_the_head_or_in_the_camera_frame(co
 @given(pose_covariances(), rigid_poses())
 @example(np.outer([0, 0, 0, 1e-5, 1.9e-159, 0], [0, 0, 0, 1e-5, 1.9e-159, 0]), np.eye(4))  # a variance that underflows
 @example(np.diag([0, 0, 0, 0, 1e-320, 0]), np.eye(4))
-def test_the_covariance_at_the_camera_is_symmetric_and_positive_semidefinite(covariance, T_camera_head):
-    at_camera = vg.PoseError(covariance, T_camera_head=T_camera_head).camera_covariance
+def test_the_covariance_at_the_camera_is_symmetric_and_positive_semidefinite(covariance, T_camera_frame):
+    at_camera = vg.PoseError(covariance, T_camera_frame=T_camera_frame).camera_covariance
     size = np.abs(at_camera).max() + 1e-300  # subnormal numbers round coarsely
     np.testing.assert_allclose(at_camera, at_camera.T, atol=1e-14 * size)
     assert np.linalg.eigvalsh(at_camera)[0] >= -1e-12 * size
 
 
-def test_a_pivot_is_a_head_frame_without_rotation():
+def test_a_pivot_is_a_pose_error_frame_without_rotation():
     T = np.eye(4)
     T[:3, 3] = [5.0, -3.0, -16.0]
     by_pivot = vg.PoseError(FULL, pivot_mm=(5.0, -3.0, -16.0))
-    np.testing.assert_array_equal(by_pivot.camera_covariance, vg.PoseError(FULL, T_camera_head=T).camera_covariance)
-    np.testing.assert_array_equal(by_pivot.T_camera_head, T)
+    np.testing.assert_array_equal(by_pivot.camera_covariance, vg.PoseError(FULL, T_camera_frame=T).camera_covariance)
+    np.testing.assert_array_equal(by_pivot.T_camera_frame, T)
 
 
 def test_without_a_pivot_the_error_acts_at_the_centre_of_projection():
@@ -154,25 +156,26 @@ def test_the_covariance_is_a_copy_that_cannot_be_changed():
     [
         ({"pivot_mm": (0, 0)}, "pivot_mm"),
         ({"pivot_mm": (0, 0, math.nan)}, "pivot_mm"),
-        ({"T_camera_head": np.eye(3)}, "T_camera_head"),
-        ({"T_camera_head": np.diag([1.0, 1, -1, 1])}, "not a rotation"),
-        ({"T_camera_head": np.stack([np.eye(4), np.eye(4)])}, "one 4x4"),
-        ({"pivot_mm": (0, 0, -16), "T_camera_head": np.eye(4)}, "not both"),
+        ({"T_camera_frame": np.eye(3)}, "T_camera_frame"),
+        ({"T_camera_frame": np.diag([1.0, 1, -1, 1])}, "not a rotation"),
+        ({"T_camera_frame": np.stack([np.eye(4), np.eye(4)])}, "one 4x4"),
+        ({"pivot_mm": (0, 0, -16), "T_camera_frame": np.eye(4)}, "not both"),
     ],
 )
-def test_a_head_frame_that_is_none_is_refused(frame, telling):
+def test_a_pose_error_frame_that_is_none_is_refused(frame, telling):
     with pytest.raises(vg.InputError, match=telling):
         vg.PoseError(FULL, **frame)
 
 
-# --- the part that is common to all looks -----------------------------------------------------------------------
+# --- the part that is common to all acquisitions
+# -----------------------------------------------------------------------
 
 
 @settings(deadline=None)
 @given(pose_covariances(), pose_covariances(), rigid_poses())
-def test_common_and_repeatability_make_up_the_whole(common, repeatability, T_camera_head):
-    error = vg.PoseError(common + repeatability, T_camera_head=T_camera_head, common_covariance=common)
-    whole = vg.PoseError(common + repeatability, T_camera_head=T_camera_head)
+def test_common_and_repeatability_make_up_the_whole(common, repeatability, T_camera_frame):
+    error = vg.PoseError(common + repeatability, T_camera_frame=T_camera_frame, common_covariance=common)
+    whole = vg.PoseError(common + repeatability, T_camera_frame=T_camera_frame)
     np.testing.assert_array_equal(error.camera_covariance, whole.camera_covariance)
     np.testing.assert_array_equal(error.factor, whole.factor)
     scale = np.sqrt(np.outer(whole.covariance.diagonal(), whole.covariance.diagonal()))

@@ -9,23 +9,23 @@ import numpy as np
 import viewgauge as vg
 from viewgauge.execution.executor import InProcess
 from viewgauge.part import Mesh
-from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.planning import CandidateGrid
 
 # a block with a step, [0, 60] x [0, 60] x [0, 40] and [0, 100] x [0, 60] x [0, 20]
 INSPECTION = """
 part:
   file: block.stl
-  dimensions:
-    - {id: upper, start: [0, 0, 40] mm, end: [60, 0, 40] mm, tolerance: 0.1 mm}
-    - {id: foot, start: [60, 10, 20] mm, end: [60, 50, 20] mm, tolerance: 0.1 mm}
-    - {id: depth, start: [100, 0, 20] mm, end: [100, 60, 20] mm, tolerance: 0.1 mm}
-    - {id: edge, start: [60, 0, 40] mm, end: [60, 60, 40] mm, tolerance: 0.1 mm, observed: whole}
-    - {id: under, start: [0, 0, 0] mm, end: [0, 60, 0] mm, tolerance: 0.1 mm}
-camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}
-head: {translation: 0.1 mm, rotation: 0.02 deg, pivot: [0, 0, -16] mm}
+  characteristics:
+    - {id: upper, points: [[0, 0, 40], [60, 0, 40]], unit: mm, tolerance: 0.1 mm}
+    - {id: foot, points: [[60, 10, 20], [60, 50, 20]], unit: mm, tolerance: 0.1 mm}
+    - {id: depth, points: [[100, 0, 20], [100, 60, 20]], unit: mm, tolerance: 0.1 mm}
+    - {id: edge, points: [[60, 0, 40], [60, 60, 40]], unit: mm, tolerance: 0.1 mm, observed: whole}
+    - {id: under, points: [[0, 0, 0], [0, 60, 0]], unit: mm, tolerance: 0.1 mm}
+camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_detector: {quantization: 0.1 px}}
+pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg, frame: {position: "[0, 0, -16] mm"}}
 requirement: {accuracy: 0.9985, probability: 0.9}
-candidates: {distance: [200, 400] mm, distances: 3, directions: 40, rolls: 2, targets: 2}
+candidates: {distance: "[200, 400] mm", distances: 3, directions: 40, rolls: 2, targets: 2}
 """
 
 
@@ -52,7 +52,7 @@ def write_inspection(folder, **changes):
 
 
 def grid(inspection):
-    points = GaugeTable.of(inspection.part.dimensions).points
+    points = MeasurandTable.of(inspection.part.characteristics).points
     return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
 
 

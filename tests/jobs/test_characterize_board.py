@@ -30,7 +30,7 @@ def pose(position, rotvec):
 
 
 X, Y = pose([20.0, -15, 60], [0.1, 0.8, -0.3]), pose([700.0, 50, 300], [1.7, -0.2, 0.5])
-HEAD = PoseError.from_standard_deviations(0.5, 1e-3)
+POSE_ERROR = PoseError.from_standard_deviations(0.5, 1e-3)
 
 
 def image_of(T):
@@ -48,7 +48,7 @@ def image_of(T):
 def folder(tmp_path_factory):
     """14 images and poses of a robot that carries the board, with errors."""
     folder, rng = tmp_path_factory.mktemp("board"), np.random.default_rng(6)
-    errors = draw_pose_errors(HEAD, 14, rng)
+    errors = draw_pose_errors(POSE_ERROR, 14, rng)
     listed = []
     for k in range(14):
         T = pose([rng.uniform(-160, -120), rng.uniform(-120, -90), rng.uniform(480, 620)], rng.uniform(-0.5, 0.5, 3))
@@ -78,7 +78,7 @@ def test_images_and_poses_to_the_robot_s_errors(folder):
     sure = document["board"]["standard_uncertainty"]
     assert abs(np.array(document["board"]["camera_matrix_px"])[0, 0] - 900) < 4 * sure["fx"]
     # 12 degrees of freedom and six axes: their root mean square is off by 9 % (one sigma), and by the fit of the lens
-    ratio = character.head.deviation / np.sqrt(HEAD.covariance.diagonal())
+    ratio = character.pose_error.deviation / np.sqrt(POSE_ERROR.covariance.diagonal())
     assert 0.5 < np.sqrt((ratio**2).mean()) < 2.0
 
 
@@ -109,7 +109,7 @@ def test_the_camera_is_written_for_opencv_and_the_inspection(folder, tmp_path):
         (("{image: 3.png, pose: 3.yaml}", "3.png"), "data[3]: not a view"),
     ],
 )
-def test_what_is_wrong_is_told(folder, change, telling):
+def test_what_is_wrong_is_reported(folder, change, telling):
     bad = folder / "bad.yaml"
     bad.write_text((folder / "cal.yaml").read_text().replace(*change))
     with pytest.raises(InputError) as raised:
@@ -124,6 +124,6 @@ def test_a_real_robot():
     assert character.samples == 15
     assert character.board is not None
     assert character.board.left_out == ("images/2.png: 4 corners found",)
-    position, turn = (np.linalg.norm(character.head.deviation[part]) for part in (slice(0, 3), slice(3, 6)))
+    position, turn = (np.linalg.norm(character.pose_error.deviation[part]) for part in (slice(0, 3), slice(3, 6)))
     assert 1.0 < position < 4.0
     assert 1e-3 < turn < 6e-3

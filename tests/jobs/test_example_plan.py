@@ -1,4 +1,6 @@
-"""The example from its CAD file to its plan, judged by the exact camera; and what an inspection file can change."""
+"""The example from its CAD file to its plan, judged by the full camera model; and what an inspection file can
+change.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ import pytest
 import viewgauge as vg
 from viewgauge.exceptions import InspectionFileError, NoCandidateError
 from viewgauge.execution.chunks import candidate_grid
-from viewgauge.formats.poses.viewpoints_file import read_settings, write_settings
+from viewgauge.formats.poses.viewpoints_file import read_viewpoints, write_viewpoints
 from viewgauge.geometry import invert, look_at, transform
 from viewgauge.jobs.write import describe_plan
 from viewgauge.simulation import estimate_success_probability
@@ -29,8 +31,9 @@ pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
 def written(folder: Path, **changes: str) -> Path:
     """The example's inspection file on one line a section, with sections replaced, or added to in case of the part."""
     sections = {
-        "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}",
-        "head": "{translation: 0.1 mm, rotation: 0.02 deg}",
+        "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], "
+        "edge_detector: {quantization: 0.1 px}}",
+        "pose_error": "{translation: 0.1 mm, rotation: 0.02 deg}",
         "requirement": "{accuracy: 0.999, probability: 0.95}",
         **changes,
     }
@@ -41,7 +44,7 @@ def written(folder: Path, **changes: str) -> Path:
     return path
 
 
-FEW = "{distance: [250, 450] mm, distances: 2, directions: 60, rolls: 2, cone: {half_angle: 60 deg}}"
+FEW = "{distance: '[250, 450] mm', distances: 2, directions: 60, rolls: 2, cone: {half_angle: 60 deg}}"
 
 
 @pytest.fixture(scope="module")
@@ -66,41 +69,43 @@ def few(inspection) -> vg.Inspection:
     return replace(inspection, candidates=replace(inspection.candidates, distances=2, directions=60, rolls=2))
 
 
-def test_the_plan_meets_every_dimension_with_the_proven_fewest_settings(plan):
-    assert [d.id for d in plan.dimensions] == IDS
+def test_the_plan_meets_every_characteristic_with_the_proven_fewest_viewpoints(plan):
+    assert [d.id for d in plan.characteristics] == IDS
     assert plan.all_met
     assert plan.proven
     assert plan.count == plan.lower_bound
-    assert len(plan.settings) == plan.count
-    assert sorted(name for s in plan.settings for name in s.observes) == sorted(IDS)
-    settings = {s.id: s for s in plan.settings}
-    for d in plan.dimensions:
-        assert d.id in settings[d.setting].observes
+    assert len(plan.viewpoints) == plan.count
+    assert sorted(name for s in plan.viewpoints for name in s.observes) == sorted(IDS)
+    viewpoints = {s.id: s for s in plan.viewpoints}
+    for d in plan.characteristics:
+        assert d.id in viewpoints[d.viewpoint].observes
         assert 0.95 <= d.probability <= 1
-        assert d.gauge.shape == (2, 3)
-        assert np.linalg.norm(np.diff(d.gauge, axis=0)) == pytest.approx(d.nominal_mm, rel=1e-6)
+        assert d.measurand.shape == (2, 3)
+        assert np.linalg.norm(np.diff(d.measurand, axis=0)) == pytest.approx(d.nominal_mm, rel=1e-6)
 
 
-def test_refined_one_setting_does_what_takes_two_candidates(inspection, plan, sampled):
-    """And at the same number of settings the weakest dimension is surer; the camera stays where it is allowed."""
+def test_refined_one_viewpoint_does_what_takes_two_candidates(inspection, plan, sampled):
+    """And at the same number of viewpoints the weakest characteristic is surer; the camera stays where it is
+    allowed.
+    """
     assert sampled.refinement is None
     assert sampled.all_met
     assert (plan.count, sampled.count) == (1, 2)
     steps = {step.name: step for step in plan.refinement.steps}
-    weakest = min(d.probability for d in sampled.dimensions)
+    weakest = min(d.probability for d in sampled.characteristics)
     assert (steps["sampled"].count, steps["sampled"].weakest) == (2, pytest.approx(weakest))
     assert steps["surer"].count == 2
     assert steps["surer"].weakest > weakest + 0.005
-    assert (steps["fewer"].count, steps["fewer"].weakest) == (1, min(d.probability for d in plan.dimensions))
+    assert (steps["fewer"].count, steps["fewer"].weakest) == (1, min(d.probability for d in plan.characteristics))
     assert plan.refinement.finished
-    region = candidate_grid(inspection, inspection.part.dimensions).region
+    region = candidate_grid(inspection, inspection.part.characteristics).region
     for made in (plan, sampled):
-        assert region.allowed(np.array([s.T_part_camera[:3, 3] for s in made.settings])).all()
+        assert region.allowed(np.array([s.T_part_camera[:3, 3] for s in made.viewpoints])).all()
 
 
 def test_no_single_candidate_measures_everything(inspection, plan):
     """The sampled plan's lower bound, by the table itself: no row of it is accepted throughout."""
-    grid = candidate_grid(inspection, inspection.part.dimensions)
+    grid = candidate_grid(inspection, inspection.part.characteristics)
     poses = grid.poses(0, len(grid))
     assert len(poses) == plan.candidate_count
     accepted = vg.evaluate(inspection, poses)["accepted"].values
@@ -108,64 +113,70 @@ def test_no_single_candidate_measures_everything(inspection, plan):
     assert not accepted.all(axis=1).any()
 
 
-def test_the_exact_camera_confirms_every_probability(inspection, plan):
-    """10^6 draws a dimension: the plan's probability lies in their 99.9 % interval, widened by 2e-4 either way.
+def test_the_full_camera_confirms_every_probability(inspection, plan):
+    """10^6 draws a characteristic: the plan's probability lies in their 99.9 % interval, widened by 2e-4 either way.
 
     The widening is the joint model's own error (theory section 5: 1.5e-4 over ordinary set-ups). False alarms: were
     the model exact, 15 intervals of 99.9 % would all hold with probability 0.985. The widening adds about one standard
-    error (2.2e-4 at p = 0.95, less above) to the 3.3 of the interval: a dimension then fails with probability 3e-5,
-    any of the 15 with less than 5e-4. The seeds are fixed.
+    error (2.2e-4 at p = 0.95, less above) to the 3.3 of the interval: a characteristic then fails with probability
+    3e-5, any of the 15 with less than 5e-4. The seeds are fixed.
     """
-    settings = {s.id: s.T_part_camera for s in plan.settings}
-    for number, d in enumerate(plan.dimensions):
-        start, end = transform(invert(settings[d.setting]), d.gauge)
-        tolerance = d.allowed_error_mm / np.linalg.norm(d.gauge[1] - d.gauge[0])
+    viewpoints = {s.id: s.T_part_camera for s in plan.viewpoints}
+    for number, d in enumerate(plan.characteristics):
+        start, end = transform(invert(viewpoints[d.viewpoint]), d.measurand)
+        tolerance = d.allowed_error_mm / np.linalg.norm(d.measurand[1] - d.measurand[0])
         estimate = estimate_success_probability(
-            start, end, inspection.camera, inspection.head, tolerance, draws=1_000_000, rng=1000 + number
+            start, end, inspection.camera, inspection.pose_error, tolerance, draws=1_000_000, rng=1000 + number
         )
         assert estimate.low - 2e-4 <= d.probability <= estimate.high + 2e-4, (d.id, d.probability, estimate)
 
 
-def test_evaluating_the_written_settings_gives_the_plans_probabilities(inspection, plan, tmp_path):
+def test_evaluating_the_written_viewpoints_gives_the_plans_probabilities(inspection, plan, tmp_path):
     vg.write_plan(plan, inspection, tmp_path)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["assignments.csv", "plan.json", "report.html", "settings.csv"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "assignments.csv",
+        "plan.json",
+        "report.html",
+        "viewpoints.csv",
+    ]
     document = json.loads((tmp_path / "plan.json").read_text())
     assert document == describe_plan(plan, inspection)
-    table = vg.evaluate(inspection, tmp_path / "settings.csv")
-    for entry in document["dimensions"]:
-        row = table.sel(setting=entry["setting"], dimension=entry["id"])
+    table = vg.evaluate(inspection, tmp_path / "viewpoints.csv")
+    for entry in document["characteristics"]:
+        row = table.sel(viewpoint=entry["viewpoint"], characteristic=entry["id"])
         # quaternions written and read again turn by some 1e-16
         assert float(row["probability"]) == pytest.approx(entry["probability"], abs=1e-9)
         assert float(row["expected_accuracy"]) == pytest.approx(entry["expected_accuracy"], abs=1e-9)
         assert bool(row["accepted"])
     rows = (tmp_path / "assignments.csv").read_text().splitlines()
     assert len(rows) == 1 + len(IDS)
-    ids, poses = read_settings(tmp_path / "settings.csv")
-    assert list(ids) == [s["id"] for s in document["settings"]]
-    np.testing.assert_allclose(poses, [s["T_part_camera"] for s in document["settings"]], atol=1e-12)
+    ids, poses = read_viewpoints(tmp_path / "viewpoints.csv")
+    assert list(ids) == [s["id"] for s in document["viewpoints"]]
+    np.testing.assert_allclose(poses, [s["T_part_camera"] for s in document["viewpoints"]], atol=1e-12)
 
 
 def test_plan_json_has_the_keys_of_the_contract(inspection, plan):
     document = describe_plan(plan, inspection)
     assert {
-        "version", "seed", "inputs", "requirement", "settings", "dimensions", "count", "lower_bound", "gap", "proven"
+        "version", "seed", "inputs", "requirement", "viewpoints", "characteristics", "count", "lower_bound", "gap",
+        "proven",
     } <= set(document)  # fmt: skip
     assert set(document["inputs"]) == {"inspection.yaml", "slotted_block.step"}
     assert all(len(digest) == 64 for digest in document["inputs"].values())
-    for entry in document["dimensions"]:
+    for entry in document["characteristics"]:
         assert {
-            "id", "kind", "nominal_mm", "tolerance_mm", "status", "probability", "expected_accuracy", "setting",
-            "gauge", "limit",
+            "id", "kind", "nominal_mm", "tolerance_mm", "status", "probability", "expected_accuracy", "viewpoint",
+            "measurand", "limit",
         } <= set(entry)  # fmt: skip
-    by_id = {entry["id"]: entry for entry in document["dimensions"]}
+    by_id = {entry["id"]: entry for entry in document["characteristics"]}
     assert by_id["E12"]["tolerance_mm"] is None, "a basic value, judged by its accuracy"
     assert by_id["E14/1"]["tolerance_mm"] == pytest.approx([0.0, 0.08])
 
 
 def own(name: str, start: str, end: str, more: str = "tolerance: 0.4 mm") -> str:
-    """A dimension by its two points."""
+    """A characteristic by its two points."""
     keys = [f"id: {name}", f"start: {start}", f"end: {end}", *more.split(", ")]
-    return "dimensions:\n    - " + "\n      ".join(keys) + "\n"
+    return "characteristics:\n    - " + "\n      ".join(keys) + "\n"
 
 
 def test_two_runs_in_fresh_processes_write_the_same_bytes(tmp_path):
@@ -181,7 +192,7 @@ def test_two_runs_in_fresh_processes_write_the_same_bytes(tmp_path):
             check=False,
         )
         assert done.returncode in (0, 1), done.stderr
-    for file in ("plan.json", "settings.csv", "assignments.csv", "report.html"):
+    for file in ("plan.json", "viewpoints.csv", "assignments.csv", "report.html"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 
 
@@ -198,15 +209,15 @@ def test_a_fraction_of_the_tolerance_leaves_the_basic_value_unmeasured_with_its_
     path = written(tmp_path, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}", candidates=FEW)
     inspection = vg.load(path)
     plan = vg.plan(inspection)
-    (basic,) = [d for d in plan.dimensions if d.id == "E12"]
+    (basic,) = [d for d in plan.characteristics if d.id == "E12"]
     assert basic.status == "not_measurable"
     assert "basic value" in basic.limit
-    assert basic.setting is None
+    assert basic.viewpoint is None
     assert not plan.all_met
     checked = vg.check(inspection)
     assert [entry["id"] for entry in checked["not_measurable"]] == ["E12"]
-    assert len(checked["dimensions"]) == 14
-    allowed = {entry["id"]: entry["allowed_error_mm"] for entry in checked["dimensions"]}
+    assert len(checked["characteristics"]) == 14
+    allowed = {entry["id"]: entry["allowed_error_mm"] for entry in checked["characteristics"]}
     assert allowed["E2"] == pytest.approx(0.05)
     assert allowed["E4"] == pytest.approx(0.0375), "half the width of -0.05 ... +0.1, halved"
     json.dumps(describe_plan(plan, inspection), allow_nan=False)
@@ -220,103 +231,103 @@ def test_a_general_tolerance_makes_the_basic_value_measurable_and_changes_no_oth
         candidates=FEW,
     )
     inspection = vg.load(path)
-    tolerance = {d.id: d.tolerance_mm for d in inspection.part.dimensions}
+    tolerance = {d.id: d.tolerance_mm for d in inspection.part.characteristics}
     assert tolerance["E12"] == pytest.approx((-0.3, 0.3))
     assert tolerance["E2"] == pytest.approx((-0.1, 0.1))
     assert not vg.check(inspection)["not_measurable"]
 
 
-def test_an_entry_without_points_overrides_tolerance_and_observation_of_a_pmi_dimension(tmp_path):
+def test_an_entry_without_points_overrides_tolerance_and_observation_of_a_pmi_characteristic(tmp_path):
     path = written(
         tmp_path,
-        part="""dimensions:
+        part="""characteristics:
     - id: E2
-      tolerance: [-0.01, 0.03] mm
+      tolerance: "[-0.01, 0.03] mm"
     - {id: E12, tolerance: 0.2 mm}
     - {id: E1, observed: whole}
 """,
     )
     part = vg.load(path).part
-    by_id = {d.id: d for d in part.dimensions}
-    assert [d.id for d in part.dimensions] == IDS, "nothing is added, dropped or moved"
+    by_id = {d.id: d for d in part.characteristics}
+    assert [d.id for d in part.characteristics] == IDS, "nothing is added, dropped or moved"
     assert by_id["E2"].tolerance_mm == pytest.approx((-0.01, 0.03))
     assert by_id["E12"].tolerance_mm == pytest.approx((-0.2, 0.2))
     assert (by_id["E1"].observed, by_id["E1"].tolerance_mm) == ("whole", pytest.approx((-0.15, 0.15)))
     assert by_id["E2"].observed == "ends"
 
 
-def test_a_gauge_of_ones_own_is_added_to_those_of_the_pmi(tmp_path):
+def test_a_measurand_of_ones_own_is_added_to_those_of_the_pmi(tmp_path):
     path = written(
         tmp_path,
         part=own("mine", "[0, 0, 40] mm", "[60, 0, 40] mm", "tolerance: 0.1 mm, observed: whole"),
     )
     inspection = vg.load(path)
-    assert [d.id for d in inspection.part.dimensions] == [*IDS, "mine"]
-    mine = inspection.part.dimensions[-1]
-    edge = next(d for d in inspection.part.dimensions if d.id == "E2")
+    assert [d.id for d in inspection.part.characteristics] == [*IDS, "mine"]
+    mine = inspection.part.characteristics[-1]
+    edge = next(d for d in inspection.part.characteristics if d.id == "E2")
     assert mine.nominal_mm == pytest.approx(60.0)
     assert mine.observed == "whole"
     # from where the paper's edge is seen, the same two points are as surely measured
     table = vg.evaluate(inspection, look_at([30.0, -250, 250], [30.0, 0, 40]))
-    assert bool(table["visible"].sel(dimension="mine").item())
-    assert float(table["probability"].sel(dimension="mine").item()) == pytest.approx(
-        float(table["probability"].sel(dimension=edge.id).item()), abs=1e-9
+    assert bool(table["visible"].sel(characteristic="mine").item())
+    assert float(table["probability"].sel(characteristic="mine").item()) == pytest.approx(
+        float(table["probability"].sel(characteristic=edge.id).item()), abs=1e-9
     )
 
 
-def test_a_gauge_of_ones_own_takes_the_place_of_the_pmis_and_it_is_said(tmp_path):
+def test_a_measurand_of_ones_own_takes_the_place_of_the_pmis_and_it_is_said(tmp_path):
     path = written(tmp_path, part=own("E2", "[0, 60, 40] mm", "[60, 60, 40] mm"))
     part = vg.load(path).part
-    assert [d.id for d in part.dimensions] == IDS
-    (replaced,) = [d for d in part.dimensions if d.id == "E2"]
-    assert len(replaced.gauges) == 1
-    assert replaced.gauges[0].start.tolist() == [0, 60, 40]
+    assert [d.id for d in part.characteristics] == IDS
+    (replaced,) = [d for d in part.characteristics if d.id == "E2"]
+    assert len(replaced.measurands) == 1
+    assert replaced.measurands[0].start.tolist() == [0, 60, 40]
     assert any("E2" in note and "replace" in note for note in part.notes)
 
 
 @pytest.mark.parametrize(
     ("name", "start", "telling"),
     [
-        ("mine", "[0, 0, 400] mm", "dimension outside the part: its start is 360 mm from the surface"),
+        ("mine", "[0, 0, 400] mm", "characteristic outside the part: its start is 360 mm from the surface"),
         ("E99", None, "'E99' is not in the part's PMI"),
     ],
 )
-def test_entries_that_do_not_fit_the_part_are_told_with_file_line_and_key(tmp_path, name, start, telling):
-    entry = own(name, start, "[60, 0, 40] mm") if start else "dimensions:\n    - {id: E99, tolerance: 0.1 mm}\n"
+def test_entries_that_do_not_fit_the_part_are_reported_with_file_line_and_key(tmp_path, name, start, telling):
+    entry = own(name, start, "[60, 0, 40] mm") if start else "characteristics:\n    - {id: E99, tolerance: 0.1 mm}\n"
     path = written(tmp_path, part=entry)
     with pytest.raises(InspectionFileError) as caught:
         vg.load(path)
     error = caught.value
     assert error.file == str(path)
-    assert error.key == "part.dimensions"
+    assert error.key == "part.characteristics"
     assert name in path.read_text().splitlines()[error.line - 1]
     assert telling in str(error)
 
 
-def test_explicit_settings_are_the_candidates_and_keep_their_names(tmp_path):
+def test_explicit_viewpoints_are_the_candidates_and_keep_their_names(tmp_path):
     middle = np.array([50.0, 30.0, 20.0])
     eyes = middle + 320 * np.array([[-0.5, -0.5, 0.7], [0.5, 0.5, 0.7], [0.0, 0.0, 1.0], [0.6, -0.6, 0.5]])
-    write_settings(tmp_path / "poses.csv", ["west", "east", "top", "spare"], look_at(eyes, middle))
+    write_viewpoints(tmp_path / "poses.csv", ["west", "east", "top", "spare"], look_at(eyes, middle))
     path = written(
         tmp_path,
         requirement="{accuracy: 0.99, probability: 0.9}",
-        candidates="{settings: poses.csv}",
+        candidates="{viewpoints: poses.csv}",
     )
     inspection = vg.load(path)
     assert set(inspection.inputs) == {"inspection.yaml", "slotted_block.step", "poses.csv"}
     plan = vg.plan(inspection)
     assert plan.candidate_count == 4
     assert 0 < plan.count < 4
-    assert {s.id for s in plan.settings} <= {"west", "east", "top", "spare"}
+    assert {s.id for s in plan.viewpoints} <= {"west", "east", "top", "spare"}
     table = vg.evaluate(inspection)
-    assert table["setting"].values.tolist() == ["west", "east", "top", "spare"]
-    reachable = table["accepted"].any("setting").values
-    assert [d.status == "met" for d in plan.dimensions] == reachable.tolist()
-    chosen = table["accepted"].sel(setting=[s.id for s in plan.settings]).any("setting").values
+    assert table["viewpoint"].values.tolist() == ["west", "east", "top", "spare"]
+    reachable = table["accepted"].any("viewpoint").values
+    assert [d.status == "met" for d in plan.characteristics] == reachable.tolist()
+    chosen = table["accepted"].sel(viewpoint=[s.id for s in plan.viewpoints]).any("viewpoint").values
     np.testing.assert_array_equal(chosen, reachable)
 
 
-def test_settings_that_no_camera_can_take_are_said(few):
+def test_viewpoints_that_no_camera_can_take_are_said(few):
     near = replace(few, candidates=replace(few.candidates, distance_mm=(1.0, 5.0), targets=0))
     with pytest.raises(NoCandidateError, match="inside the part's bounding box"):
         vg.plan(near)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viewgauge.exceptions import InputError, SettingsFileError, ViewgaugeError
+from viewgauge.exceptions import InputError, ViewgaugeError, ViewpointsFileError
 from viewgauge.execution.executor import InProcess, open_executor
 
 
@@ -60,7 +60,7 @@ def end_own_process(shared, item):
 def refuse(shared, item):
     leave_trace(shared, item)
     if item == 1:
-        raise SettingsFileError("no such number", file="s.csv", line=3, key="x", got="two")
+        raise ViewpointsFileError("no such number", file="s.csv", line=3, key="x", got="two")
     if item == 2:
         raise ZeroDivisionError("by item 2")
     return item
@@ -215,9 +215,9 @@ def write_chunk(written, chunk):
     leave_trace(written, chunk)
     if chunk == 3 and len(begun(written.folder, 3)) == 1:
         os.kill(os.getpid(), signal.SIGKILL)
-    settings = written.writer.layout.settings(chunk)
-    values = np.sin(np.arange(settings.start, settings.stop)[:, None] * np.arange(1, 8))
-    written.writer.write(settings.start, {"sine": values, "positive": values > 0}, {"chunk": chunk})
+    viewpoints = written.writer.layout.viewpoints(chunk)
+    values = np.sin(np.arange(viewpoints.start, viewpoints.stop)[:, None] * np.arange(1, 8))
+    written.writer.write(viewpoints.start, {"sine": values, "positive": values > 0}, {"chunk": chunk})
     return chunk
 
 
@@ -248,7 +248,7 @@ def test_workers_write_a_table_and_a_lost_one_leaves_no_trace_in_it(two_workers,
 def test_an_error_of_the_function_is_raised_as_it_is(where, request, tmp_path):
     executor = InProcess() if where == "here" else request.getfixturevalue("two_workers")
     shared = Shared(np.zeros(1), str(tmp_path))
-    with pytest.raises(SettingsFileError) as caught:
+    with pytest.raises(ViewpointsFileError) as caught:
         list(executor.run(refuse, shared, [0, 1, *range(3, 100)]))
     assert str(caught.value) == "s.csv:3:x: no such number\n  got:      two"
     assert (caught.value.file, caught.value.line, caught.value.key) == ("s.csv", 3, "x")

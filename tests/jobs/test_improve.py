@@ -13,18 +13,20 @@ from viewgauge.evaluation import WARNINGS
 from viewgauge.execution.chunks import candidate_grid
 from viewgauge.jobs.write import describe_answers
 from viewgauge.planning.improve.catalogue import SensorFormat
-from viewgauge.planning.inspection import ExplicitSettings
+from viewgauge.planning.inspection import ExplicitViewpoints
 
-BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "looks.yaml"
+BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "acquisitions.yaml"
 SHORT = 1.001
-DIMENSIONS = ("E1", "E5", "E7", "E9")
+CHARACTERISTICS = ("E1", "E5", "E7", "E9")
 
 
 def inspection_of(**changes):
     inspection = vg.load(BLOCK)
-    part = replace(inspection.part, dimensions=tuple(d for d in inspection.part.dimensions if d.id in DIMENSIONS))
+    part = replace(
+        inspection.part, characteristics=tuple(d for d in inspection.part.characteristics if d.id in CHARACTERISTICS)
+    )
     options = replace(inspection.candidates, directions=60)
-    return replace(inspection, part=part, candidates=options, looks=1, **changes)
+    return replace(inspection, part=part, candidates=options, averaged_viewpoints=1, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -37,10 +39,10 @@ def improvement(inspection):
     return vg.improve(inspection)
 
 
-def head_of(inspection, translation, rotation):
+def pose_error_of(inspection, translation, rotation):
     scale = np.diag([translation] * 3 + [rotation] * 3)
-    head = inspection.head
-    return vg.PoseError(scale @ head.covariance @ scale, T_camera_head=head.T_camera_head)
+    pose_error = inspection.pose_error
+    return vg.PoseError(scale @ pose_error.covariance @ scale, T_camera_frame=pose_error.T_camera_frame)
 
 
 def changed(inspection, knob, value, today):
@@ -49,11 +51,11 @@ def changed(inspection, knob, value, today):
     if knob == "pixel":
         return replace(inspection, camera=replace(inspection.camera, edge_resolution_px=value))
     if knob == "translation":
-        return replace(inspection, head=head_of(inspection, factor, 1))
+        return replace(inspection, pose_error=pose_error_of(inspection, factor, 1))
     if knob == "rotation":
-        return replace(inspection, head=head_of(inspection, 1, factor))
-    if knob == "head":
-        return replace(inspection, head=head_of(inspection, factor, factor))
+        return replace(inspection, pose_error=pose_error_of(inspection, 1, factor))
+    if knob == "pose_error":
+        return replace(inspection, pose_error=pose_error_of(inspection, factor, factor))
     if knob == "focal_length":
         near, far = inspection.candidates.distance_mm
         options = replace(inspection.candidates, distance_mm=(near * factor, far * factor))
@@ -64,27 +66,27 @@ def changed(inspection, knob, value, today):
 
 def met(inspection, extra):
     """Ids met from some candidate or extra pose, by the table that evaluate gives."""
-    grid = candidate_grid(inspection, inspection.part.dimensions)
+    grid = candidate_grid(inspection, inspection.part.characteristics)
     poses = np.concatenate([grid.poses(0, len(grid)), np.zeros((0, 4, 4)) if extra is None else extra])
-    settings = ExplicitSettings(tuple(f"C{k}" for k in range(len(poses))), poses)
-    table = vg.evaluate(replace(inspection, settings=settings))
-    sure = (table["accepted"] & ~table["validity"].isin(WARNINGS)).any("setting")
-    return set(table["dimension"].values[sure.values])
+    viewpoints = ExplicitViewpoints(tuple(f"C{k}" for k in range(len(poses))), poses)
+    table = vg.evaluate(replace(inspection, viewpoints=viewpoints))
+    sure = (table["accepted"] & ~table["validity"].isin(WARNINGS)).any("viewpoint")
+    return set(table["characteristic"].values[sure.values])
 
 
 @pytest.fixture(scope="module")
 def extra(inspection):
     """The poses that refining found."""
     plan = vg.plan(inspection, prove=False)
-    return np.array([d.T_part_camera for d in plan.dimensions if d.T_part_camera is not None])
+    return np.array([d.T_part_camera for d in plan.characteristics if d.T_part_camera is not None])
 
 
-@pytest.mark.parametrize("knob", ["pixel", "translation", "rotation", "head", "focal_length", "distance"])
+@pytest.mark.parametrize("knob", ["pixel", "translation", "rotation", "pose_error", "focal_length", "distance"])
 def test_met_at_the_answer_and_not_short_of_it(inspection, improvement, extra, knob):
     today, moves = improvement.today, knob in ("focal_length", "distance")
     tried = 0
-    for dimension in improvement.dimensions:
-        change = dimension.changes[knob]
+    for characteristic in improvement.characteristics:
+        change = characteristic.changes[knob]
         assert change.verified
         if change.interval is None:
             continue
@@ -93,28 +95,28 @@ def test_met_at_the_answer_and_not_short_of_it(inspection, improvement, extra, k
             if value:
                 at = met(changed(inspection, knob, value, today), None if moves else extra)
                 short = met(changed(inspection, knob, value * beyond, today), None if moves else extra)
-                assert dimension.id in at
-                assert dimension.id not in short
+                assert characteristic.id in at
+                assert characteristic.id not in short
                 tried += 1
-    assert tried, "some dimension has an answer"
+    assert tried, "some characteristic has an answer"
 
 
 def test_what_is_met_has_slack_and_what_is_not_needs_less(improvement, inspection, extra):
     today = met(inspection, extra)
-    assert {d.id for d in improvement.dimensions if d.met} == today
-    assert 0 < len(today) < len(DIMENSIONS)
-    for dimension in improvement.dimensions:
-        for name in ("pixel", "translation", "rotation", "head"):
-            factor = dimension.changes[name].factor
-            assert factor is None or (factor >= 1) == dimension.met
+    assert {d.id for d in improvement.characteristics if d.met} == today
+    assert 0 < len(today) < len(CHARACTERISTICS)
+    for characteristic in improvement.characteristics:
+        for name in ("pixel", "translation", "rotation", "pose_error"):
+            factor = characteristic.changes[name].factor
+            assert factor is None or (factor >= 1) == characteristic.met
             if factor is None:  # hopeless: without this error it is still not sure enough, but surer than today
-                best = dimension.changes[name].best_probability
-                assert dimension.probability - 1e-9 <= best < 0.95
+                best = characteristic.changes[name].best_probability
+                assert characteristic.probability - 1e-9 <= best < 0.95
 
 
-def test_the_part_is_as_good_as_its_worst_dimension(improvement):
-    for name in ("pixel", "translation", "rotation", "head"):
-        factors = {d.id: d.changes[name].factor for d in improvement.dimensions}
+def test_the_part_is_as_good_as_its_worst_characteristic(improvement):
+    for name in ("pixel", "translation", "rotation", "pose_error"):
+        factors = {d.id: d.changes[name].factor for d in improvement.characteristics}
         change = improvement.part[name]
         if None in factors.values():
             assert change.factor is None
@@ -125,49 +127,54 @@ def test_the_part_is_as_good_as_its_worst_dimension(improvement):
         assert change.verified
 
 
-def test_finer_pixels_allow_a_worse_head(improvement, inspection, extra):
-    heads = [0.0 if t.head_factor is None else t.head_factor for t in improvement.trade_off]
+def test_finer_pixels_allow_a_worse_pose_error(improvement, inspection, extra):
+    pose_errors = [0.0 if t.pose_error_factor is None else t.pose_error_factor for t in improvement.trade_off]
     pixels = [t.pixel_px for t in improvement.trade_off]
     assert pixels == sorted(pixels)
-    assert heads == sorted(heads, reverse=True)
-    trade = next(t for t in reversed(improvement.trade_off) if t.head_factor is not None)
+    assert pose_errors == sorted(pose_errors, reverse=True)
+    trade = next(t for t in reversed(improvement.trade_off) if t.pose_error_factor is not None)
     both = changed(inspection, "pixel", trade.pixel_px, improvement.today)
-    assert met(replace(both, head=head_of(inspection, trade.head_factor, trade.head_factor)), extra) == set(DIMENSIONS)
-    worse = trade.head_factor * SHORT
-    assert met(replace(both, head=head_of(inspection, worse, worse)), extra) < set(DIMENSIONS)
+    assert met(
+        replace(both, pose_error=pose_error_of(inspection, trade.pose_error_factor, trade.pose_error_factor)), extra
+    ) == set(CHARACTERISTICS)
+    worse = trade.pose_error_factor * SHORT
+    assert met(replace(both, pose_error=pose_error_of(inspection, worse, worse)), extra) < set(CHARACTERISTICS)
 
 
 def test_what_cannot_be_turned_is_left_out():
     inspection = inspection_of()
     camera = replace(inspection.camera, edge_resolution_px=0.0)
-    head = head_of(inspection, 1, 0)
-    improvement = vg.improve(replace(inspection, camera=camera, head=head))
-    assert set(improvement.today) == {"translation", "head", "focal_length", "distance"}
+    pose_error = pose_error_of(inspection, 1, 0)
+    improvement = vg.improve(replace(inspection, camera=camera, pose_error=pose_error))
+    assert set(improvement.today) == {"translation", "pose_error", "focal_length", "distance"}
     assert not improvement.trade_off
 
 
-def test_explicit_settings_stay_where_they_are(inspection):
-    settings = ExplicitSettings(("A",), vg.plan(inspection, prove=False).settings[0].T_part_camera[None])
-    improvement = vg.improve(replace(inspection, settings=settings))
-    assert set(improvement.today) == {"pixel", "translation", "rotation", "head"}
-    with pytest.raises(vg.InputError, match="settings given one by one"):
-        vg.specify(replace(inspection, settings=settings))
+def test_explicit_viewpoints_stay_where_they_are(inspection):
+    viewpoints = ExplicitViewpoints(("A",), vg.plan(inspection, prove=False).viewpoints[0].T_part_camera[None])
+    improvement = vg.improve(replace(inspection, viewpoints=viewpoints))
+    assert set(improvement.today) == {"pixel", "translation", "rotation", "pose_error"}
+    with pytest.raises(vg.InputError, match="viewpoints given one by one"):
+        vg.specify(replace(inspection, viewpoints=viewpoints))
 
 
-def test_without_a_dimension_nothing_can_be_asked(inspection):
-    empty = replace(inspection, part=replace(inspection.part, dimensions=()))
+def test_without_a_characteristic_nothing_can_be_asked(inspection):
+    empty = replace(inspection, part=replace(inspection.part, characteristics=()))
     for question in (vg.improve, vg.specify):
-        with pytest.raises(vg.InputError, match="no dimension"):
+        with pytest.raises(vg.InputError, match="no characteristic"):
             question(empty)
 
 
 def test_documents_hold_the_answers(improvement, inspection):
     document = describe_answers(improvement, inspection)
-    assert document["dimensions"][0]["changes"]["pixel"]["value"] == improvement.dimensions[0].changes["pixel"].value
+    assert (
+        document["characteristics"][0]["changes"]["pixel"]["value"]
+        == improvement.characteristics[0].changes["pixel"].value
+    )
     assert document["knobs"]["distance"]["today"] == 450
 
 
-def test_a_camera_is_specified_with_a_head(inspection):
+def test_a_camera_is_specified_with_a_pose_error(inspection):
     sensors = (SensorFormat("big", (4096, 3000), 0.00345), SensorFormat("small", (720, 540), 0.0069))
     asked = replace(inspection, requirement=vg.Requirement("accuracy", 0.999, 0.95))
     specification = vg.specify(asked, sensors=sensors, focal_lengths_mm=(25.0, 16.0))
@@ -176,29 +183,29 @@ def test_a_camera_is_specified_with_a_head(inspection):
     ]  # fmt: skip
     answered = 0
     for choice in specification.choices:
-        assert choice.head.verified
+        assert choice.pose_error.verified
         pitch = (choice.sensor.pixel_pitch_mm,) * 2
         camera = vg.Camera(
             choice.focal_length_mm, pitch, choice.sensor.resolution, inspection.camera.edge_resolution_px
         )
         with_camera = replace(asked, camera=camera)
         assert len(met(with_camera, None)) == choice.met
-        if choice.head.factor is not None:
-            factor = choice.head.factor
-            at = met(replace(with_camera, head=head_of(asked, factor, factor)), None)
-            short = met(replace(with_camera, head=head_of(asked, factor * SHORT, factor * SHORT)), None)
-            assert len(at) == len(DIMENSIONS)
-            assert len(short) < len(DIMENSIONS)
-            assert choice.translation_mm == pytest.approx(factor * np.sqrt(asked.head.covariance[:3, :3].max()))
+        if choice.pose_error.factor is not None:
+            factor = choice.pose_error.factor
+            at = met(replace(with_camera, pose_error=pose_error_of(asked, factor, factor)), None)
+            short = met(replace(with_camera, pose_error=pose_error_of(asked, factor * SHORT, factor * SHORT)), None)
+            assert len(at) == len(CHARACTERISTICS)
+            assert len(short) < len(CHARACTERISTICS)
+            assert choice.translation_mm == pytest.approx(factor * np.sqrt(asked.pose_error.covariance[:3, :3].max()))
             answered += 1
         if choice.pixel.factor is not None:
             step = choice.pixel.value
             at = met(replace(with_camera, camera=replace(camera, edge_resolution_px=step)), None)
             short = met(replace(with_camera, camera=replace(camera, edge_resolution_px=step * SHORT)), None)
-            assert len(short) < len(at) == len(DIMENSIONS)
+            assert len(short) < len(at) == len(CHARACTERISTICS)
     assert answered
     smallest = specification.smallest
-    good = [c for c in specification.best if c.head.factor is not None and c.head.factor >= 1]
+    good = [c for c in specification.best if c.pose_error.factor is not None and c.pose_error.factor >= 1]
     assert smallest == (good[0] if good else None)
     document = describe_answers(specification, inspection)
     assert len(document["choices"]) == 4

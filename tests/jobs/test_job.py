@@ -71,12 +71,12 @@ def test_a_users_mistake_comes_back_as_it_was_raised():
     assert "expected: 4" in str(caught.value)
 
 
-def test_a_defect_is_told_without_ending_the_parent():
+def test_a_defect_is_reported_without_ending_the_parent():
     with pytest.raises(ViewgaugeError, match="unexpected error: RuntimeError: a defect"):
         Job(breaks).result()
 
 
-def test_a_crash_is_told():
+def test_a_crash_is_reported():
     with pytest.raises(ViewgaugeError, match=r"crashed \(exit code 7\)"):
         Job(vanishes).result()
 

@@ -1,4 +1,4 @@
-"""A mesh with dimensions from the inspection file, with the CAD kernel out of reach."""
+"""A mesh with characteristics from the inspection file, with the CAD kernel out of reach."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ BLOCKED = "import sys; sys.modules['OCP'] = None"  # importing it now raises Mod
 
 BOX = """part:
   file: box.stl
-  dimensions:
+  characteristics:
     - id: width
-      start: [0, 0, 40] mm
-      end: [80, 0, 40] mm
+      points: [[0, 0, 40], [80, 0, 40]]
+      unit: mm
       tolerance: 0.1 mm
     - id: depth
-      start: [0, 0, 40] mm
-      end: [0, 50, 40] mm
+      points: [[0, 0, 40], [0, 50, 40]]
+      unit: mm
       tolerance: 0.1 mm
       observed: whole
     - id: rear
-      start: [0, 50, 40] mm
-      end: [80, 50, 40] mm
-      tolerance: [-0.1, 0.2] mm
+      points: [[0, 50, 40], [80, 50, 40]]
+      unit: mm
+      tolerance: "[-0.1, 0.2] mm"
     - id: foot
-      start: [0, 0, 0] mm
-      end: [80, 0, 0] mm
-      tolerance: [-0.1, 0.2] mm
+      points: [[0, 0, 0], [80, 0, 0]]
+      unit: mm
+      tolerance: "[-0.1, 0.2] mm"
     - id: heel
-      start: [0, 50, 0] mm
-      end: [80, 50, 0] mm
-      tolerance: [-0.1, 0.2] mm
-camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_resolution: 0.1 px}
-head: {translation: 0.1 mm, rotation: 0.02 deg}
+      points: [[0, 50, 0], [80, 50, 0]]
+      unit: mm
+      tolerance: "[-0.1, 0.2] mm"
+camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_detector: {quantization: 0.1 px}}
+pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
 requirement: {accuracy: 0.995, probability: 0.95}
 candidates: {directions: 60, rolls: 2}
 """
@@ -57,8 +57,8 @@ def test_a_mesh_is_planned_without_the_cad_kernel(tmp_path):
     done = run("plan", "box.yaml", "-o", "out", "--json", cwd=tmp_path, prelude=BLOCKED)
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
-    assert [d["status"] for d in document["dimensions"]] == ["met"] * 5
-    assert [d["nominal_mm"] for d in document["dimensions"]] == pytest.approx([80.0, 50.0, 80.0, 80.0, 80.0])
+    assert [d["status"] for d in document["characteristics"]] == ["met"] * 5
+    assert [d["nominal_mm"] for d in document["characteristics"]] == pytest.approx([80.0, 50.0, 80.0, 80.0, 80.0])
     assert document["proven"]
     assert document["count"] == 2, "no camera sees all four long edges of a box, two see them"
     assert json.loads((tmp_path / "out" / "plan.json").read_text()) == document

@@ -15,11 +15,13 @@ from viewgauge.jobs.write import describe_plan
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 
 
-@pytest.fixture(scope="module", params=["met and not", "several looks"])
+@pytest.fixture(scope="module", params=["met and not", "several viewpoints"])
 def planned(request):
-    inspection = vg.load(EXAMPLE / ("looks.yaml" if request.param == "several looks" else "inspection.yaml"))
+    inspection = vg.load(
+        EXAMPLE / ("acquisitions.yaml" if request.param == "several viewpoints" else "inspection.yaml")
+    )
     wanted = ("E1", "E7", "E9")
-    part = replace(inspection.part, dimensions=tuple(d for d in inspection.part.dimensions if d.id in wanted))
+    part = replace(inspection.part, characteristics=tuple(d for d in inspection.part.characteristics if d.id in wanted))
     requirement = inspection.requirement
     if request.param == "met and not":
         requirement = replace(requirement, probability=0.97)
@@ -39,12 +41,12 @@ def test_everything_that_was_written_is_there(planned, tmp_path):
 
 def test_the_plan_of_another_part_is_refused(planned):
     inspection, plan = planned
-    other = replace(inspection, part=replace(inspection.part, dimensions=inspection.part.dimensions[1:]))
+    other = replace(inspection, part=replace(inspection.part, characteristics=inspection.part.characteristics[1:]))
     with pytest.raises(vg.InputError, match="of another part"):
         require_plan_of(plan, other)
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"settings": 3}'])
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"viewpoints": 3}'])
 def test_what_is_no_plan_is_refused(tmp_path, text):
     (tmp_path / "plan.json").write_text(text)
     with pytest.raises(vg.InputError):
@@ -59,7 +61,7 @@ def test_a_missing_plan_is_refused(tmp_path):
 def test_a_plan_that_lacks_something_is_refused(planned, tmp_path):
     inspection, plan = planned
     document = describe_plan(plan, inspection)
-    del document["dimensions"][0]["certificate"]
+    del document["characteristics"][0]["certificate"]
     (tmp_path / "plan.json").write_text(json.dumps(document))
     with pytest.raises(vg.InputError, match="not a plan"):
         vg.read_plan(tmp_path)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import viewgauge as vg
-from viewgauge.jobs.workbench.saved_inspection import turned_inspection_text
+from viewgauge.jobs.workbench.saved_inspection import changed_inspection_text
 from viewgauge.jobs.workbench.what_if import WhatIf
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
@@ -38,7 +38,7 @@ def saved(folder, name="inspection.yaml", **turned):
     inspection = vg.load(path)
     what_if = WhatIf(inspection, None)
     knobs = replace(what_if.today, **turned)
-    text, homeless = turned_inspection_text(path.read_text(encoding="utf-8"), inspection, knobs)
+    text, homeless = changed_inspection_text(path.read_text(encoding="utf-8"), inspection, knobs)
     (folder / "saved.yaml").write_text(text, encoding="utf-8")
     return text, homeless, what_if.turned(knobs)
 
@@ -51,7 +51,9 @@ def test_read_again_it_is_the_same(folder):
     assert again.camera.focal_length_mm == pytest.approx(21.5)
     assert again.camera.pixel_pitch_mm == pytest.approx((0.0048, 0.0048))
     assert again.camera.edge_resolution_px == pytest.approx(0.21)
-    np.testing.assert_allclose(again.head.camera_covariance, looked_at.head.camera_covariance, rtol=1e-8, atol=1e-18)
+    np.testing.assert_allclose(
+        again.pose_error.camera_covariance, looked_at.pose_error.camera_covariance, rtol=1e-8, atol=1e-18
+    )
     assert again.requirement.kind == "accuracy"
     assert (again.requirement.value, again.requirement.probability) == pytest.approx((0.9985, 0.963))
     assert "# the block lies on a table: look from above" in text

@@ -120,7 +120,7 @@ def test_a_killed_job_goes_on_where_it_was(tmp_path, monkeypatch, capsys, name, 
     pytest.importorskip("zarr")
     if workers:
         pytest.importorskip("distributed", reason="Dask is not installed")
-    write_inspection(tmp_path, candidates="{distance: [200, 400] mm, distances: 4, directions: 40, rolls: 2}")
+    write_inspection(tmp_path, candidates="{distance: '[200, 400] mm', distances: 4, directions: 40, rolls: 2}")
     monkeypatch.chdir(tmp_path)
     arguments, out, journal = JOBS[name]
     code = main(arguments)
@@ -159,7 +159,7 @@ def test_the_second_pass_of_a_plan_goes_on_too(tmp_path):
                     raise KeyboardInterrupt
                 yield pair
 
-    options = {"journal": tmp_path / "notes", "settings_per_chunk": 20}
+    options = {"journal": tmp_path / "notes", "viewpoints_per_chunk": 20}
     with pytest.raises(KeyboardInterrupt):
         vg.plan(inspection, executor=Stopped(), **options)
     counting = Counting()
@@ -172,13 +172,13 @@ def test_the_second_pass_of_a_plan_goes_on_too(tmp_path):
 def changed(inspection):
     """Inspections that differ in one thing that no file tells of."""
     part = inspection.part
-    longer = replace(part.dimensions[0], nominal_mm=61.0)
+    longer = replace(part.characteristics[0], nominal_mm=61.0)
     moved = Mesh(part.mesh.vertices + 1e-9, part.mesh.triangles)
-    yield "dimension", replace(inspection, part=replace(part, dimensions=(longer, *part.dimensions[1:])))
+    yield "characteristic", replace(inspection, part=replace(part, characteristics=(longer, *part.characteristics[1:])))
     yield "mesh", replace(inspection, part=replace(part, mesh=moved))
     yield "seed", replace(inspection, seed=inspection.seed + 1)
     yield "requirement", replace(inspection, requirement=replace(inspection.requirement, probability=0.91))
-    yield "head", replace(inspection, head=PoseError(inspection.head.covariance, (0.0, 0.0, -16.01)))
+    yield "pose_error", replace(inspection, pose_error=PoseError(inspection.pose_error.covariance, (0.0, 0.0, -16.01)))
 
 
 def test_a_job_goes_on_only_with_the_same_contents(inspection, poses, tmp_path):
@@ -191,7 +191,7 @@ def test_a_job_goes_on_only_with_the_same_contents(inspection, poses, tmp_path):
                     raise KeyboardInterrupt
                 yield pair
 
-    def left_to_do(other, settings=poses[:40], chunk=4, columns=("visible",), **options):
+    def left_to_do(other, viewpoints=poses[:40], chunk=4, columns=("visible",), **options):
         with pytest.raises(KeyboardInterrupt):
             vg.evaluate_into(
                 inspection,
@@ -199,15 +199,15 @@ def test_a_job_goes_on_only_with_the_same_contents(inspection, poses, tmp_path):
                 poses[:40],
                 columns=["visible"],
                 executor=Stopped(),
-                settings_per_chunk=4,
+                viewpoints_per_chunk=4,
             )
         counting = Counting()
         vg.evaluate_into(
             other,
             tmp_path / "t.zarr",
-            settings,
+            viewpoints,
             executor=counting,
-            settings_per_chunk=chunk,
+            viewpoints_per_chunk=chunk,
             columns=columns,
             **options,
         )
@@ -264,10 +264,10 @@ directions, job = int(sys.argv[2]), sys.argv[3]
 def run(directions):
     here = replace(inspection, candidates=replace(inspection.candidates, directions=directions))
     if job == "plan":
-        vg.plan(here, settings_per_chunk=1000)
+        vg.plan(here, viewpoints_per_chunk=1000)
     else:
         path = None if job == "nothing" else sys.argv[4]
-        vg.evaluate_into(here, path, sampled=True, settings_per_chunk=1000)
+        vg.evaluate_into(here, path, sampled=True, viewpoints_per_chunk=1000)
 run(directions)
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM:")))
 """
@@ -275,9 +275,9 @@ print(next(line.split()[1] for line in open("/proc/self/status") if line.startsw
 
 @pytest.mark.skipif(sys.platform != "linux", reason="peak memory is told in KiB on Linux")
 @pytest.mark.parametrize("job", ["plan", "csv", "zarr"])
-def test_memory_is_bounded_by_the_chunk_and_not_by_the_number_of_settings(tmp_path, job):
+def test_memory_is_bounded_by_the_chunk_and_not_by_the_number_of_viewpoints(tmp_path, job):
     pytest.importorskip("zarr")
-    write_inspection(tmp_path, candidates="{distance: [200, 400] mm, distances: 5, rolls: 2, targets: 0}")
+    write_inspection(tmp_path, candidates="{distance: '[200, 400] mm', distances: 5, rolls: 2, targets: 0}")
 
     def peak(directions):
         command = [sys.executable, "-c", PEAK, str(tmp_path / "inspection.yaml"), str(directions), job]
@@ -285,6 +285,6 @@ def test_memory_is_bounded_by_the_chunk_and_not_by_the_number_of_settings(tmp_pa
         return int(out.stdout) / 1024
 
     small, large = peak(1000), peak(8000)
-    # To keep all of the larger, 80 000 settings of 5 dimensions, would take 40 MiB (columns) or 14 MiB (of a plan:
-    # poses and what is accepted); two runs of the same differ by less than 1 MiB, most of it libraries (220 MiB).
+    # To keep all of the larger, 80 000 viewpoints of 5 characteristics, would take 40 MiB (columns) or 14 MiB (of a
+    # plan: poses and what is accepted); two runs of the same differ by less than 1 MiB, most of it libraries (220 MiB).
     assert large < small + 9, (small, large)

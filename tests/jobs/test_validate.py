@@ -1,4 +1,4 @@
-"""Rendered and measured looks against the law; and that a law which is wrong is found out."""
+"""Rendered and measured acquisitions against the law; and that a law which is wrong is found out."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ STRAIGHT = ("E1", "E3", "E4", "E2", "E5", "E6", "E7", "E8", "E10", "E12")
 
 @pytest.fixture(scope="module")
 def inspection():
-    """The block's straight dimensions, with a camera of fewer pixels."""
+    """The block's straight characteristics, with a camera of fewer pixels."""
     inspection = vg.load(BLOCK)
     camera = replace(inspection.camera, pixel_pitch_mm=(0.0069, 0.0069), resolution=(1224, 1024))
-    dimensions = tuple(d for d in inspection.part.dimensions if d.id in STRAIGHT)
-    return replace(inspection, camera=camera, part=replace(inspection.part, dimensions=dimensions))
+    characteristics = tuple(d for d in inspection.part.characteristics if d.id in STRAIGHT)
+    return replace(inspection, camera=camera, part=replace(inspection.part, characteristics=characteristics))
 
 
 @pytest.fixture(scope="module")
 def found(inspection):
     sensor = ImageSensor(blur_px=0.6, noise=0.006)
-    return vg.validate(inspection, sample=8, looks=15, sensor=sensor, edges=("sub-pixel", "whole-pixel"), seed=4)
+    return vg.validate(inspection, sample=8, repeats=15, sensor=sensor, edges=("sub-pixel", "whole-pixel"), seed=4)
 
 
 def test_the_law_holds_in_images(found):
-    """120 looks, one dimension of each: within the 99 % limits of a true law at each level. The seed is fixed.
+    """120 acquisitions, one characteristic of each: within the 99 % limits of a true law at each level. The seed is
+    fixed.
 
-    Of whole pixels not at 68 %: from eight settings errors are those of few lengths, each with a fraction of its own.
+    Of whole pixels not at 68 %: from eight viewpoints errors are those of few lengths, each with a fraction of its own.
     """
     for how, validation in found.items():
         assert len(validation.drawn) > 100
@@ -47,8 +48,10 @@ def test_the_law_holds_in_images(found):
 
 
 def test_errors_are_as_large_as_predicted(found):
-    """Of each dimension that is seen often; a root mean square of 40 is off by 11 % (one sigma)."""
-    ratios = {d["id"]: d["rms_ratio"] for d in describe_validation(found)[0]["dimensions"] if d["looks"] >= 40}
+    """Of each characteristic that is seen often; a root mean square of 40 is off by 11 % (one sigma)."""
+    ratios = {
+        d["id"]: d["rms_ratio"] for d in describe_validation(found)[0]["characteristics"] if d["acquisitions"] >= 40
+    }
     assert len(ratios) >= 4
     for name, ratio in ratios.items():
         assert 0.55 < ratio < 1.45, name
@@ -70,20 +73,20 @@ def test_coverage_counts_and_its_limits():
     """Exact limits of the binomial law of 1000 with 0.95: 931 to 967 hold at least 99 %."""
     uniform = (np.arange(1000) + 0.5) / 1000
     coverage = Coverage.of(uniform, 0.95)
-    assert (coverage.inside, coverage.looks, coverage.low, coverage.high) == (950, 1000, 931, 967)
+    assert (coverage.inside, coverage.acquisitions, coverage.low, coverage.high) == (950, 1000, 931, 967)
     assert coverage.holds
     assert not Coverage.of(uniform**2, 0.95).holds
-    assert Coverage.of(np.zeros(0), 0.95).looks == 0
+    assert Coverage.of(np.zeros(0), 0.95).acquisitions == 0
 
 
 def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, tmp_path):
     sensor = ImageSensor(blur_px=0.6, noise=0.006)
-    ids = tuple(dict.fromkeys(pair.setting for pair in found["sub-pixel"].pairs))[:1]
-    again = vg.validate(inspection, sample=1, looks=15, sensor=sensor, seed=4)["sub-pixel"]
-    assert {pair.setting for pair in again.pairs} == set(ids)
-    first = {p.dimension: p.errors_px for p in found["sub-pixel"].pairs if p.setting == ids[0]}
+    ids = tuple(dict.fromkeys(pair.viewpoint for pair in found["sub-pixel"].pairs))[:1]
+    again = vg.validate(inspection, sample=1, repeats=15, sensor=sensor, seed=4)["sub-pixel"]
+    assert {pair.viewpoint for pair in again.pairs} == set(ids)
+    first = {p.characteristic: p.errors_px for p in found["sub-pixel"].pairs if p.viewpoint == ids[0]}
     for pair in again.pairs:
-        np.testing.assert_array_equal(pair.errors_px, first[pair.dimension])
+        np.testing.assert_array_equal(pair.errors_px, first[pair.characteristic])
     write_validation(found, tmp_path / "pairs.csv")
     with (tmp_path / "pairs.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -94,9 +97,9 @@ def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, t
     assert document[0]["coverage"][1]["level"] == 0.95
 
 
-def test_bad_numbers_are_told(inspection):
-    with pytest.raises(InputError, match="looks"):
-        vg.validate(inspection, looks=0)
+def test_bad_numbers_are_reported(inspection):
+    with pytest.raises(InputError, match="acquisitions"):
+        vg.validate(inspection, repeats=0)
     with pytest.raises(InputError, match="sample"):
         vg.validate(inspection, sample=0)
     with pytest.raises(InputError, match="sub-pixel or whole-pixel"):

@@ -19,14 +19,15 @@ BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "in
 def inspection():
     inspection = vg.load(BLOCK)
     part = replace(
-        inspection.part, dimensions=tuple(d for d in inspection.part.dimensions if d.id in ("E1", "E5", "E9", "E14/1"))
+        inspection.part,
+        characteristics=tuple(d for d in inspection.part.characteristics if d.id in ("E1", "E5", "E9", "E14/1")),
     )
     return replace(inspection, part=part, candidates=replace(inspection.candidates, directions=60))
 
 
 @pytest.fixture(scope="module")
 def plan(inspection):
-    """For nearly certain measurements, so that it has more than one setting."""
+    """For nearly certain measurements, so that it has more than one viewpoint."""
     demanding = replace(inspection, requirement=replace(inspection.requirement, probability=0.985))
     return vg.plan(demanding, prove=False, refine=False)
 
@@ -37,24 +38,24 @@ def what_if(inspection, plan):
 
 
 def poses_of(plan):
-    return np.array([setting.T_part_camera for setting in plan.settings])
+    return np.array([viewpoint.T_part_camera for viewpoint in plan.viewpoints])
 
 
 def assert_answers(answers, inspection, poses):
     """They are the best of the table that the API evaluates."""
     table = vg.evaluate(inspection, poses)
     best = table.probability.values.max(axis=0)
-    assert [answer.dimension.id for answer in answers.dimensions] == list(table.dimension.values)
-    assert [answer.probability for answer in answers.dimensions] == pytest.approx(best, abs=1e-12)
-    assert [answer.met for answer in answers.dimensions] == list(table.accepted.values.any(axis=0))
+    assert [answer.characteristic.id for answer in answers.characteristics] == list(table.characteristic.values)
+    assert [answer.probability for answer in answers.characteristics] == pytest.approx(best, abs=1e-12)
+    assert [answer.met for answer in answers.characteristics] == list(table.accepted.values.any(axis=0))
     assert answers.met == table.accepted.values.any(axis=0).sum()
-    names = list(answers.settings)
-    for j, answer in enumerate(answers.dimensions):
-        if answer.setting is None:
+    names = list(answers.viewpoints)
+    for j, answer in enumerate(answers.characteristics):
+        if answer.viewpoint is None:
             assert not table.visible.values[:, j].any()
             assert answer.reason in set(table.reason.values[:, j])
         else:
-            assert table.probability.values[names.index(answer.setting), j] == pytest.approx(best[j], abs=1e-12)
+            assert table.probability.values[names.index(answer.viewpoint), j] == pytest.approx(best[j], abs=1e-12)
 
 
 def test_as_the_inspection_has_it(what_if, inspection, plan):
@@ -65,11 +66,11 @@ def camera_of(inspection, **changes):
     return replace(inspection, camera=replace(inspection.camera, **changes))
 
 
-def head_of(inspection, translation, rotation):
-    head = vg.PoseError.from_standard_deviations(
+def pose_error_of(inspection, translation, rotation):
+    pose_error = vg.PoseError.from_standard_deviations(
         translation_mm=translation, rotation_rad=np.radians(rotation), pivot_mm=(0, 0, -16)
     )
-    return replace(inspection, head=head)
+    return replace(inspection, pose_error=pose_error)
 
 
 @pytest.mark.parametrize(
@@ -81,8 +82,8 @@ def head_of(inspection, translation, rotation):
         ),
         ({"edge_px": 0.25}, lambda i: camera_of(i, edge_resolution_px=0.25)),
         ({"focal_length_mm": 25.0}, lambda i: camera_of(i, focal_length_mm=25.0)),
-        ({"translation_mm": 0.17}, lambda i: head_of(i, 0.17, 0.02)),
-        ({"rotation_rad": np.radians(0.05)}, lambda i: head_of(i, 0.1, 0.05)),
+        ({"translation_mm": 0.17}, lambda i: pose_error_of(i, 0.17, 0.02)),
+        ({"rotation_rad": np.radians(0.05)}, lambda i: pose_error_of(i, 0.1, 0.05)),
         ({"required": 0.9993}, lambda i: replace(i, requirement=vg.Requirement("accuracy", 0.9993, 0.95))),
         ({"probability": 0.99}, lambda i: replace(i, requirement=vg.Requirement("accuracy", 0.999, 0.99))),
     ],
@@ -91,63 +92,63 @@ def test_each_knob_is_what_a_user_would_write(what_if, inspection, plan, changes
     answers = what_if.answers(replace(what_if.today, **changes))
     assert_answers(answers, written(inspection), poses_of(plan))
     # and it is not without effect
-    before = [answer.probability for answer in what_if.answers(what_if.today).dimensions]
+    before = [answer.probability for answer in what_if.answers(what_if.today).characteristics]
     if "probability" not in changes:
-        assert [answer.probability for answer in answers.dimensions] != pytest.approx(before, abs=1e-4)
+        assert [answer.probability for answer in answers.characteristics] != pytest.approx(before, abs=1e-4)
 
 
 def test_distance_moves_cameras_along_their_axes(what_if, inspection, plan):
     answers = what_if.answers(replace(what_if.today, distance=1.4))
-    for name, T in answers.settings.items():
-        (planned,) = [setting.T_part_camera for setting in plan.settings if setting.id == name]
-        gauges = [d.gauge for d in plan.dimensions if d.setting == name]
-        middle = np.concatenate(gauges).mean(axis=0)
+    for name, T in answers.viewpoints.items():
+        (planned,) = [viewpoint.T_part_camera for viewpoint in plan.viewpoints if viewpoint.id == name]
+        measurands = [d.measurand for d in plan.characteristics if d.viewpoint == name]
+        middle = np.concatenate(measurands).mean(axis=0)
         depth, before = ((middle - pose[:3, 3]) @ planned[:3, 2] for pose in (T, planned))
         assert depth == pytest.approx(1.4 * before)
         np.testing.assert_allclose(T[:3, :3], planned[:3, :3])
         moved = T[:3, 3] - planned[:3, 3]
         assert np.linalg.norm(np.cross(moved, planned[:3, 2])) < 1e-9 * np.linalg.norm(moved)
-    assert_answers(answers, inspection, np.array(list(answers.settings.values())))
+    assert_answers(answers, inspection, np.array(list(answers.viewpoints.values())))
 
 
 def test_a_dragged_camera_stands_where_it_was_dragged_to(what_if, inspection, plan):
     knobs = replace(what_if.today, distance=0.8)
-    name = plan.settings[0].id
-    wanted = plan.settings[0].T_part_camera.copy()
+    name = plan.viewpoints[0].id
+    wanted = plan.viewpoints[0].T_part_camera.copy()
     wanted[:3, 3] += [12.0, -7.0, 5.0]
     answers = what_if.answers(knobs, {name: what_if.placed(knobs, name, wanted)})
-    np.testing.assert_allclose(answers.settings[name], wanted, atol=1e-9)
-    assert_answers(answers, inspection, np.array(list(answers.settings.values())))
+    np.testing.assert_allclose(answers.viewpoints[name], wanted, atol=1e-9)
+    assert_answers(answers, inspection, np.array(list(answers.viewpoints.values())))
 
 
 def test_without_a_plan_nothing_is_measured(inspection):
     what_if = WhatIf(inspection, None)
     answers = what_if.answers(what_if.today)
-    assert answers.settings == {}
-    assert {answer.reason for answer in answers.dimensions} == {"no setting yet"}
+    assert answers.viewpoints == {}
+    assert {answer.reason for answer in answers.characteristics} == {"no viewpoint yet"}
     assert answers.met == 0
 
 
 def test_laws_and_budget_are_those_of_the_answer(what_if):
     answers = what_if.answers(replace(what_if.today, translation_mm=0.2))
-    seen = [answer for answer in answers.dimensions if answer.setting is not None]
+    seen = [answer for answer in answers.characteristics if answer.viewpoint is not None]
     assert len(seen) > 1
     for answer in seen:
-        laws, budget = (make(answers, answer.dimension.id) for make in (what_if.laws, what_if.budget))
+        laws, budget = (make(answers, answer.characteristic.id) for make in (what_if.laws, what_if.budget))
         assert float(laws.probability(answer.allowed_error_mm)) == pytest.approx(answer.probability, abs=1e-9)
         assert float(budget.probability) == pytest.approx(answer.probability, abs=1e-9)
         assert float(budget.combined_uncertainty_mm) == pytest.approx(laws.standard_uncertainty_mm, rel=1e-9)
 
 
 def test_directions_are_what_cameras_there_would_measure(what_if, inspection):
-    """The centre of the image looks at the middle of the dimension from each; the reason is the table's."""
+    """The centre of the image looks at the middle of the characteristic from each; the reason is the table's."""
     answers = what_if.answers(what_if.today)
     found = what_if.directions(answers, "E5", 320.0)
     assert np.linalg.norm(found.directions, axis=1) == pytest.approx(1)
     # even: a Fibonacci lattice of 900 has its mean near the centre
     assert np.abs(found.directions.mean(axis=0)).max() < 2e-3
     some = np.arange(0, len(found.directions), 37)
-    table = vg.evaluate(inspection, found.T_part_camera[some]).sel(dimension="E5")
+    table = vg.evaluate(inspection, found.T_part_camera[some]).sel(characteristic="E5")
     assert found.probability[some] == pytest.approx(table.probability.values, abs=1e-12)
     assert list(found.reason[some]) == list(table.reason.values)
     eyes = found.T_part_camera[:, :3, 3]
@@ -159,13 +160,13 @@ def test_directions_are_what_cameras_there_would_measure(what_if, inspection):
 
 def test_view_draws_what_the_table_says(what_if, plan):
     answers = what_if.answers(what_if.today)
-    name = plan.settings[0].id
+    name = plan.viewpoints[0].id
     view = what_if.view(answers, name)
     assert view.png.startswith(b"\x89PNG")
-    assert {d.id for d in view.dimensions} == {a.dimension.id for a in answers.dimensions}
-    for j, dimension in enumerate(view.dimensions):
-        assert dimension.probability == answers.table.probability[0, j]
-        assert (dimension.ends_px is None) == bool(dimension.reason)
+    assert {d.id for d in view.characteristics} == {a.characteristic.id for a in answers.characteristics}
+    for j, characteristic in enumerate(view.characteristics):
+        assert characteristic.probability == answers.table.probability[0, j]
+        assert (characteristic.ends_px is None) == bool(characteristic.reason)
 
 
 def test_candidates_are_some_of_those_that_a_plan_samples(what_if, inspection):
@@ -195,9 +196,9 @@ def test_requirements_by_other_figures_stay(inspection):
     from viewgauge.evaluation import CapabilityRequirement
 
     requirement = CapabilityRequirement("cg", 1.33)
-    knobs = KnobValues.of(inspection.camera, inspection.head, requirement)
+    knobs = KnobValues.of(replace(inspection, requirement=requirement).setup)
     assert knobs.required is None
-    *_, same = replace(knobs, edge_px=0.2).applied(inspection.camera, inspection.head, requirement)
+    same = replace(knobs, edge_px=0.2).applied(replace(inspection, requirement=requirement).setup).requirement
     assert same is requirement
 
 

@@ -108,7 +108,7 @@ def test_shading_beside_an_edge_does_not_move_it(slopes):
     assert edge.coefficients[0] == pytest.approx(0.37, abs=0.02)
 
 
-# two steps up within three blurs look like one: of them no locator can say that they are two
+# two steps up within three blurs look like one: of them no edge detector can say that they are two
 @pytest.mark.parametrize(
     ("gap", "step"), [(g, s) for g in (2.0, 2.8, 3.5) for s in (0.25, -0.25, 0.1) if (g, s) != (2.0, -0.25)]
 )
@@ -129,16 +129,16 @@ def test_a_bent_edge_is_no_straight_one():
 @pytest.mark.parametrize("angle", [0.0, 0.4, np.pi / 4])
 def test_the_stated_covariance_is_the_scatter(angle):
     """400 images, noise of 4 % of the step; a deviation is off by 3.5 % (one sigma), and the model of it by some."""
-    rng, found, told = np.random.default_rng(5), [], []
+    rng, found, reported = np.random.default_rng(5), [], []
     clean = straight(0.6, angle, 0.7)
     for _ in range(400):
         finder = EdgeFinder(clean + 0.02 * rng.standard_normal(clean.shape), noise=0.02)
         edge = finder.edge(np.array([80.0, 80.0]), direction(angle), np.arange(5.0, 19.0), 5.0)
         if edge is not None:
             found.append(edge.coefficients[:2])
-            told.append(edge.covariance[:2, :2])
+            reported.append(edge.covariance[:2, :2])
     assert len(found) > 390
-    predicted = np.mean(told, axis=0) - np.diag([BIAS_PX**2, 0])
+    predicted = np.mean(reported, axis=0) - np.diag([BIAS_PX**2, 0])
     assert np.std(found, axis=0) == pytest.approx(np.sqrt(predicted.diagonal()), rel=0.2)
 
 

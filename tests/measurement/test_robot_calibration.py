@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import PoseError, invert, transform
-from viewgauge.measurement import PoseSamples, characterize_head
+from viewgauge.measurement import PoseSamples, estimate_pose_error
 from viewgauge.measurement.pose.board import Board, Intrinsics, board_pose, find_corners, fit_intrinsics
 from viewgauge.measurement.pose.robot_calibration import BoardViews, calibrate_robot, folds_of
 from viewgauge.simulation.full_camera import draw_pose_errors
@@ -17,7 +17,7 @@ cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
 
 BOARD = Board(7, 9, 30.0, 22.0, "DICT_5X5_250")
 CAMERA = Intrinsics(np.array([[1500.0, 0, 810], [0, 1505, 590], [0, 0, 1]]), np.array([-0.12, 0.08, 5e-4, -3e-4, 0.0]))
-HEAD = PoseError.from_standard_deviations((0.4, 0.3, 0.5), (8e-4, 5e-4, 6e-4))
+POSE_ERROR = PoseError.from_standard_deviations((0.4, 0.3, 0.5), (8e-4, 5e-4, 6e-4))
 SIZE = (1600, 1200)
 
 
@@ -31,7 +31,7 @@ X = pose([40.0, -25, 110], [0.2, -1.1, 0.4])
 Y = pose([900.0, 150, 500], [1.9, 0.4, -0.6])
 
 
-def views_of(in_hand, n, noise_px, head, seed):
+def views_of(in_hand, n, noise_px, pose_error, seed):
     """Views of a board that the robot reaches with errors, corners seen by OpenCV's camera with noise."""
     rng = np.random.default_rng(seed)
     shown = []
@@ -43,7 +43,7 @@ def views_of(in_hand, n, noise_px, head, seed):
             shown.append(T)
     M = np.array(shown) if in_hand == "board" else invert(np.array(shown))
     reached = Y @ M @ invert(X)
-    errors = draw_pose_errors(head, n, rng)
+    errors = draw_pose_errors(pose_error, n, rng)
     commanded = reached @ errors  # reached = commanded @ inverse of the displacement
     corners = [seen(T) + noise_px * rng.standard_normal((len(BOARD.points_mm), 2)) for T in shown]
     names = tuple(f"v{k}" for k in range(n))
@@ -70,17 +70,17 @@ def test_without_errors_camera_and_robot_come_out(in_hand):
 @pytest.mark.parametrize("in_hand", ["camera", "board"])
 def test_held_out_errors_are_those_of_the_robot(in_hand):
     """60 views, 58 degrees of freedom: deviations are off by 9 % (one sigma); 4.5 sigma, seed fixed."""
-    views = views_of(in_hand, 60, 0.05, HEAD, 2)
+    views = views_of(in_hand, 60, 0.05, POSE_ERROR, 2)
     errors = views.held_out(folds_of(60, 10, 0))
-    found = characterize_head(PoseSamples(errors, views.names, parameters=12))
+    found = estimate_pose_error(PoseSamples(errors, views.names, parameters=12))
     assert found.degrees_of_freedom == 58
-    assert found.deviation == pytest.approx(np.sqrt(HEAD.covariance.diagonal()), rel=0.42)
+    assert found.deviation == pytest.approx(np.sqrt(POSE_ERROR.covariance.diagonal()), rel=0.42)
     assert np.abs(found.mean / found.deviation).max() < 4.5 / np.sqrt(60)
 
 
 def test_a_view_does_not_explain_its_own_error():
     """Twice the same data but for one view: its held-out error moves by as much as its pose, others hardly."""
-    views = views_of("board", 15, 0.05, HEAD, 3)
+    views = views_of("board", 15, 0.05, POSE_ERROR, 3)
     shift = pose([50.0, 0, 0], [0, 0, 0])
     wrong = views.T_base_flange.copy()
     wrong[4] = wrong[4] @ shift
@@ -91,20 +91,20 @@ def test_a_view_does_not_explain_its_own_error():
     assert np.abs(change[1:3]).max() < 2
 
 
-def test_the_noise_of_the_corners_is_told_apart_from_the_robot():
+def test_the_noise_of_the_corners_is_reported_apart_from_the_robot():
     """0.3 px corners double the variance of the turns; without it the robot's own is left.
 
     80 views: of a variance with as much noise again 23 % is chance (one sigma), of the root of three of them 7 %.
     """
-    head = PoseError.from_standard_deviations(0.3, 1e-3)
-    views = views_of("board", 80, 0.3, head, 5)
+    pose_error = PoseError.from_standard_deviations(0.3, 1e-3)
+    views = views_of("board", 80, 0.3, pose_error, 5)
     camera, robot = views.calibrated(range(80))
     assert camera.rms_px == pytest.approx(0.3, rel=0.05)
     errors, noise = views.held_out(folds_of(80, 8, 0)), views.noise(camera, robot)
-    with_noise = characterize_head(PoseSamples(errors, views.names, parameters=12))
-    expected = head.covariance.diagonal() + noise.diagonal(axis1=1, axis2=2).mean(axis=0)
+    with_noise = estimate_pose_error(PoseSamples(errors, views.names, parameters=12))
+    expected = pose_error.covariance.diagonal() + noise.diagonal(axis1=1, axis2=2).mean(axis=0)
     assert with_noise.covariance.diagonal() == pytest.approx(expected, rel=0.8)
-    found = characterize_head(PoseSamples(errors, views.names, parameters=12, noise=noise))
+    found = estimate_pose_error(PoseSamples(errors, views.names, parameters=12, noise=noise))
     assert found.noise_share.max() > 0.3
     assert (found.deviation < with_noise.deviation).all()
     total = np.sqrt(found.covariance[:3, :3].trace()), np.sqrt(found.covariance[3:, 3:].trace())
@@ -135,7 +135,7 @@ def test_a_board_s_pose_and_camera_from_clean_corners():
 
 
 def test_too_little_is_refused():
-    views = views_of("board", 5, 0.0, HEAD, 4)
+    views = views_of("board", 5, 0.0, POSE_ERROR, 4)
     with pytest.raises(InputError, match="too few views"):
         calibrate_robot(views.T_base_flange[:4], views.seen(range(4), CAMERA))
     with pytest.raises(InputError, match="not a ChArUco board"):
@@ -149,19 +149,19 @@ def test_too_little_is_refused():
 
 def test_the_covariance_of_the_camera_is_opencv_s_and_that_of_fits_to_noise():
     """Against the standard deviations of OpenCV's own normal equations, and against 60 fits to other noise."""
-    clean = views_of("board", 12, 0.0, HEAD, seed=5)
-    rng, found, told = np.random.default_rng(9), [], []
+    clean = views_of("board", 12, 0.0, POSE_ERROR, seed=5)
+    rng, found, reported = np.random.default_rng(9), [], []
     for _ in range(60):
         places = tuple(p + 0.2 * rng.standard_normal(p.shape) for p in clean.places_px)
         views = BoardViews(clean.names, clean.T_base_flange, clean.points_mm, places, SIZE, "board")
         camera = fit_intrinsics(views.points_mm, places, SIZE)
         found.append(np.r_[camera.matrix[[0, 1, 0, 1], [0, 1, 2, 2]], camera.distortion[:4]])
-        told.append(views.intrinsics_covariance(camera))
+        reported.append(views.intrinsics_covariance(camera))
     flat = [p.astype(np.float32) for p in clean.points_mm], [p.astype(np.float32) for p in places]
     deviations = cv2.calibrateCameraExtended(*flat, SIZE, None, None, flags=cv2.CALIB_FIX_K3)[5].ravel()[:8]
     # theirs of float32 corners, and with another count of degrees of freedom: 1 %
-    assert np.sqrt(told[-1].diagonal()) == pytest.approx(deviations, rel=0.02)
+    assert np.sqrt(reported[-1].diagonal()) == pytest.approx(deviations, rel=0.02)
     # chi-square of 60 x 8: each within 1 +- 0.27 with probability 0.9973; their mean product with the predicted
-    expected = np.mean(told, axis=0)
+    expected = np.mean(reported, axis=0)
     z = np.linalg.solve(np.linalg.cholesky(expected), (np.array(found) - np.mean(found, axis=0)).T)
     assert (z**2).sum() / (59 * 8) == pytest.approx(1.0, abs=3 * np.sqrt(2 / (59 * 8)))

@@ -13,7 +13,7 @@ from viewgauge.geometry import PoseError, invert
 from viewgauge.measurement import errors_of_poses, fit_serial_arm
 from viewgauge.simulation.full_camera import draw_pose_errors
 
-HEAD = PoseError.from_standard_deviations((0.2, 0.1, 0.3), (4e-4, 2e-4, 6e-4))
+POSE_ERROR = PoseError.from_standard_deviations((0.2, 0.1, 0.3), (4e-4, 2e-4, 6e-4))
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "positioner"
 
 # screw axes of a turntable on a tilting cradle, not quite at right angles, and the pose at zero
@@ -48,11 +48,11 @@ def test_without_errors_nothing_is_left(joints):
 
 def test_what_is_left_is_the_error(joints):
     """120 poses, 117 degrees of freedom: deviations are off by 6.5 % (one sigma)."""
-    drawn = draw_pose_errors(HEAD, len(joints), np.random.default_rng(9))
+    drawn = draw_pose_errors(POSE_ERROR, len(joints), np.random.default_rng(9))
     measured = poses_of(joints) @ invert(drawn)
     nominal, _ = fit_serial_arm(joints, measured)
     errors = errors_of_poses(nominal, measured)
-    expected = np.sqrt(HEAD.covariance.diagonal())
+    expected = np.sqrt(POSE_ERROR.covariance.diagonal())
     assert np.sqrt((errors**2).sum(axis=0) / 117) == pytest.approx(expected, rel=4.5 * 0.065)
 
 

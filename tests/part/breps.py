@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from viewgauge.part import Brep, Callout, Edge, Face, Mesh, Reference
+from viewgauge.part import Brep, Edge, Face, Mesh, PmiRecord, Reference
 
 NOWHERE = np.zeros(3)
 ARC_POINTS = 33  # of half a turn
@@ -21,15 +21,15 @@ def edge(index):
     return Reference("edge", index)
 
 
-def callout(kind, nominal_mm, first, second=(), tolerance_mm=(-0.1, 0.1), name="D", label="size"):
-    return Callout(name, kind, label, nominal_mm, tolerance_mm, tuple(first), tuple(second))
+def pmi_record(kind, nominal_mm, first, second=(), tolerance_mm=(-0.1, 0.1), name="D", label="size"):
+    return PmiRecord(name, kind, label, nominal_mm, tolerance_mm, tuple(first), tuple(second))
 
 
 class Solid:
     """Collects faces and edges; :meth:`brep` turns them into a Brep."""
 
     def __init__(self):
-        self.faces, self.edges, self.callouts, self._lines = [], [], [], {}
+        self.faces, self.edges, self.pmi_records, self._lines = [], [], [], {}
 
     def plane(self, *loops):
         """A flat face with an outer loop, counter-clockwise from outside, and straight inner loops; its index."""
@@ -93,12 +93,12 @@ class Solid:
         flags = {"seam": before == after, "smooth": before != after}
         self.edges.append({"kind": "line", "points": points, "faces": faces, "normals": normals, **flags})
 
-    def brep(self, *callouts):
+    def brep(self, *pmi_records):
         faces = tuple(Face(*surface, tuple(edges)) for surface, edges in self.faces)
-        return Brep("test part", "mm", faces, tuple(_edge(**given) for given in self.edges), self._mesh(), callouts)
+        return Brep("test part", "mm", faces, tuple(_edge(**given) for given in self.edges), self._mesh(), pmi_records)
 
     def _mesh(self):
-        """A bounding box: gauges do not look at the mesh."""
+        """A bounding box: measurands do not look at the mesh."""
         points = np.concatenate([given["points"] for given in self.edges])
         return box_mesh(points.min(axis=0), points.max(axis=0))
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from viewgauge.evaluation import success_probability
 from viewgauge.geometry import invert, look_at, transform, view_block
-from viewgauge.part import Dimension, Gauge
-from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.part import Characteristic, Measurand
+from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.visibility import VISIBLE, Culling
 
 EVERY_WAY = np.vstack([np.eye(3), -np.eye(3)])
@@ -34,20 +34,22 @@ class Shell:
         return eyes[self.allowed(eyes)]
 
 
-def gauge(start, end, normals=EVERY_WAY, end_normals=None):
+def measurand(start, end, normals=EVERY_WAY, end_normals=None):
     """Between two points; without normals seen from everywhere."""
     end_normals = normals if end_normals is None else end_normals
-    return Gauge(*(np.array(v, dtype=float) for v in (start, end, normals, end_normals)))
+    return Measurand(*(np.array(v, dtype=float) for v in (start, end, normals, end_normals)))
 
 
-def dimension(name, *gauges):
-    """Of the gauges' length."""
-    return Dimension(name, "length", gauges[0].length_mm, (-0.1, 0.1), gauges)
+def characteristic(name, *measurands):
+    """Of the measurands' length."""
+    return Characteristic(name, "length", measurands[0].length_mm, (-0.1, 0.1), measurands)
 
 
 def probabilities(poses, measured, allowed_mm, camera, error, limits):
-    """``(n,)``: the highest of the gauges of a dimension that can be observed, occlusion apart; 0 where none can."""
-    table = GaugeTable.of([measured])
+    """``(n,)``: the highest of the measurands of a characteristic that can be observed, occlusion apart; 0 where none
+    can.
+    """
+    table = MeasurandTable.of([measured])
     culling = Culling(table, camera, limits)
     best = np.zeros(len(poses))
     for first in range(0, len(poses), 256):
@@ -62,7 +64,7 @@ def probabilities(poses, measured, allowed_mm, camera, error, limits):
 
 
 def random_poses(rng, region, around_mm, spread_mm, count):
-    """Eyes in the region that look near a point."""
+    """Eyes in the region that acquisition near a point."""
     eyes = region.sample(rng, count)
     aims = np.asarray(around_mm) + rng.normal(size=eyes.shape) * spread_mm
     return look_at(eyes, aims, rng.uniform(-np.pi, np.pi, len(eyes)))

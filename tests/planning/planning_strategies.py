@@ -1,4 +1,4 @@
-"""What planning is tested with: small tables of what each setting measures."""
+"""What planning is tested with: small tables of what each viewpoint measures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from hypothesis.extra import numpy as hnp
 
 @st.composite
 def acceptances(draw):
-    """Settings x dimensions, every dimension held by some setting; with doubles, parts of others, empty rows."""
+    """Viewpoints x characteristics, every characteristic held by some viewpoint; with doubles, parts of others, empty
+    rows.
+    """
     rows, columns = draw(st.integers(1, 7)), draw(st.integers(0, 7))
     accepted = draw(hnp.arrays(bool, (rows, columns)))
     for j in range(columns):
@@ -24,7 +26,7 @@ def acceptances(draw):
 
 @st.composite
 def level_tables(draw):
-    """Levels, with ties and the ends of the range, every dimension above 0 somewhere."""
+    """Levels, with ties and the ends of the range, every characteristic above 0 somewhere."""
     rows, columns = draw(st.integers(1, 7)), draw(st.integers(0, 6))
     few = st.sampled_from([0, 0, 1, 2, 9000, 9999, 10000])
     level = draw(hnp.arrays(np.uint16, (rows, columns), elements=few | st.integers(0, 10000)))
@@ -36,7 +38,7 @@ def level_tables(draw):
 
 @st.composite
 def streamed_levels(draw, most_rows=9, most_columns=5):
-    """Index, levels and certainty of settings: few levels, so that rows often dominate or equal each other.
+    """Index, levels and certainty of viewpoints: few levels, so that rows often dominate or equal each other.
 
     Sometimes spread over more than 64 columns, the others all zero or all alike.
     """

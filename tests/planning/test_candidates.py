@@ -1,4 +1,4 @@
-"""Candidate settings: even, where they were asked for, aimed at what is measured."""
+"""Candidate viewpoints: even, where they were asked for, aimed at what is measured."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def box_mesh(size=(100.0, 60.0, 40.0)) -> Mesh:
     return Mesh(np.array(made.vertices), np.array(made.faces, dtype=np.int64))
 
 
-GAUGES = np.array(
+MEASURANDS = np.array(
     [[[0, 0, 40], [100, 0, 40]], [[0, 60, 40], [100, 60, 40]], [[90, 0, 0], [90, 0, 40]], [[92, 60, 0], [92, 60, 40]]],
     dtype=float,
 )
 
 
-def sample(gauges=GAUGES, seed=0, camera=CAMERA, mesh=None, **options):
-    grid = CandidateGrid(gauges, mesh or box_mesh(), camera, CandidateOptions(**options), seed)
+def sample(measurands=MEASURANDS, seed=0, camera=CAMERA, mesh=None, **options):
+    grid = CandidateGrid(measurands, mesh or box_mesh(), camera, CandidateOptions(**options), seed)
     return grid.poses(0, len(grid))
 
 
@@ -101,10 +101,10 @@ def test_cameras_aim_at_the_middle_and_at_clusters():
     np.testing.assert_allclose(targets, [[1, 5, 0], [46, 25, 15], [91, 45, 30]], atol=1e-6)
 
 
-def test_fewer_gauges_than_clusters_and_gauges_all_at_one_place():
+def test_fewer_measurands_than_clusters_and_measurands_all_at_one_place():
     one = np.array([[[0.0, 0, 40], [100, 0, 40]]])
-    for gauges in (one, np.repeat(one, 5, axis=0)):
-        poses = sample(gauges, distance_mm=(300.0, 300.0), distances=1, directions=10, rolls=1, targets=4)
+    for measurands in (one, np.repeat(one, 5, axis=0)):
+        poses = sample(measurands, distance_mm=(300.0, 300.0), distances=1, directions=10, rolls=1, targets=4)
         assert np.isfinite(poses).all()
         assert len(poses) == 20
 
@@ -121,18 +121,18 @@ def test_none_left_says_at_which_distances_and_what_to_do():
         sample(distance_mm=(5.0, 10.0), targets=0)
 
 
-def test_the_same_seed_gives_the_same_settings_and_another_does_not():
+def test_the_same_seed_gives_the_same_viewpoints_and_another_does_not():
     rng = np.random.default_rng(2)
     start = rng.uniform(0, 100, (40, 3))
-    gauges = np.stack([start, start + rng.normal(0, 5, (40, 3))], axis=1)
-    first = sample(gauges, seed=7)
-    np.testing.assert_array_equal(sample(gauges, seed=7), first)
-    others = [sample(gauges, seed=seed) for seed in (8, 9, 10)]
+    measurands = np.stack([start, start + rng.normal(0, 5, (40, 3))], axis=1)
+    first = sample(measurands, seed=7)
+    np.testing.assert_array_equal(sample(measurands, seed=7), first)
+    others = [sample(measurands, seed=seed) for seed in (8, 9, 10)]
     assert any(not np.array_equal(other, first) for other in others)
 
 
 def test_default_distances_hold_the_part_in_view_and_it_fills_the_image():
-    near, far = default_distance_range(GAUGES.reshape(-1, 3), CAMERA)
+    near, far = default_distance_range(MEASURANDS.reshape(-1, 3), CAMERA)
     half_height = 2048 * 0.00345 / 2 / 16  # of the image, at unit distance
     radius = np.linalg.norm([50, 30, 20])
     assert near < far
@@ -141,10 +141,10 @@ def test_default_distances_hold_the_part_in_view_and_it_fills_the_image():
 
 
 def test_default_distances_scale_with_the_part_and_follow_the_focus():
-    near, far = default_distance_range(GAUGES.reshape(-1, 3), CAMERA)
-    np.testing.assert_allclose(default_distance_range(10 * GAUGES.reshape(-1, 3), CAMERA), (10 * near, 10 * far))
+    near, far = default_distance_range(MEASURANDS.reshape(-1, 3), CAMERA)
+    np.testing.assert_allclose(default_distance_range(10 * MEASURANDS.reshape(-1, 3), CAMERA), (10 * near, 10 * far))
     focused = Camera(16.0, (0.00345, 0.00345), (2448, 2048), f_number=8.0, focus_distance_mm=400.0)
-    near, far = default_distance_range(GAUGES.reshape(-1, 3), focused)
+    near, far = default_distance_range(MEASURANDS.reshape(-1, 3), focused)
     assert near < 400 < far
 
 
@@ -170,7 +170,7 @@ def test_bad_options(options, key):
         CandidateOptions(**options)
 
 
-def brute_force(gauges, mesh, options, seed):
+def brute_force(measurands, mesh, options, seed):
     """Every combination, one after the other, without those whose camera is inside the box."""
     from viewgauge.geometry import look_at
     from viewgauge.planning.candidates.candidate_grid import _targets
@@ -179,7 +179,7 @@ def brute_force(gauges, mesh, options, seed):
     distances = np.geomspace(*options.distance_mm, options.distances)
     directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
     poses = []
-    for target in _targets(gauges, options.targets, seed):
+    for target in _targets(measurands, options.targets, seed):
         for distance in distances:
             for direction in directions:
                 eye = target + distance * direction
@@ -193,8 +193,8 @@ def brute_force(gauges, mesh, options, seed):
 @pytest.mark.parametrize("nearest", [5.0, 30.0, 45.0, 200.0])
 def test_a_grid_in_any_pieces_is_the_whole_without_what_is_inside_the_part(nearest, rolls):
     options = CandidateOptions(distance_mm=(nearest, 210.0), distances=4, directions=30, rolls=rolls, targets=2)
-    grid = CandidateGrid(GAUGES, box_mesh(), CAMERA, options, 0)
-    expected = brute_force(GAUGES, box_mesh(), options, 0)
+    grid = CandidateGrid(MEASURANDS, box_mesh(), CAMERA, options, 0)
+    expected = brute_force(MEASURANDS, box_mesh(), options, 0)
     full = 3 * 4 * 30 * rolls
     assert len(grid) == len(expected)
     assert (len(grid) < full) == (nearest < 200)

@@ -1,12 +1,12 @@
-"""What is proven of an unmet dimension, in words and numbers, for cases whose answer is known."""
+"""What is proven of an not met characteristic, in words and numbers, for cases whose answer is known."""
 
 import re
 
 import numpy as np
 import pytest
-from bounded_regions import Shell, dimension, gauge, probabilities, random_poses
+from bounded_regions import Shell, characteristic, measurand, probabilities, random_poses
 
-from viewgauge.evaluation import Requirement
+from viewgauge.evaluation import Requirement, Setup
 from viewgauge.geometry import PoseError
 from viewgauge.planning.bounds import Budget, certify
 from viewgauge.sensors import Camera
@@ -16,16 +16,18 @@ CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.1)
 LIMITS = ObservationLimits()
 REQUIREMENT = Requirement("accuracy", 0.999, 0.95)
 REGION = Shell(250.0, 450.0)
-ON_TOP = dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]))
+ON_TOP = characteristic("D", measurand((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]))
 NO_ERROR = PoseError(np.zeros((6, 6)))
+
+ALONG, SMALL = PoseError.from_standard_deviations(2.0, 0.0), PoseError.from_standard_deviations(0.02, 1e-5)
 
 
 def test_pose_error_alone_is_named():
     # along the axis 2 mm of 450 mm are 0.44 %, of which the depth alone takes the length: 2 Phi(0.225) - 1 = 0.178
-    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(2.0, 0.0), LIMITS, REGION)
+    certificate = certify(ON_TOP, Setup(CAMERA, ALONG, REQUIREMENT, LIMITS), REGION)
     assert certificate.proven
-    assert certificate.dimension_id == "D"
-    assert certificate.cause.startswith("the pose error alone prevents it: even with an ideal edge locator at most 0.")
+    assert certificate.characteristic_id == "D"
+    assert certificate.cause.startswith("the pose error alone prevents it: even with an ideal edge detector at most 0.")
     assert 0.178 < certificate.upper_bound < 0.25
 
 
@@ -33,31 +35,31 @@ def test_pixels_alone_are_named():
     # in the middle of the image 20 mm are 371 px at 250 mm: of a whole pixel 0.371 are allowed, P = 1 - (1 - 0.371)^2 =
     # 0.604; in its corner, 18 deg off the axis, an image is up to a tenth longer, which gives 0.65
     coarse = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
-    certificate = certify(ON_TOP, REQUIREMENT, coarse, NO_ERROR, LIMITS, REGION)
+    certificate = certify(ON_TOP, Setup(coarse, NO_ERROR, REQUIREMENT, LIMITS), REGION)
     assert certificate.proven
     assert certificate.cause.startswith("the pixels alone prevent it: even with a head without error at most 0.")
     assert 0.604 < certificate.upper_bound < 0.72
 
 
 def test_the_bound_in_words_is_not_below_the_one_in_numbers():
-    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(2.0, 0.0), LIMITS, REGION)
+    certificate = certify(ON_TOP, Setup(CAMERA, ALONG, REQUIREMENT, LIMITS), REGION)
     said = float(re.search(r"at most (\d\.\d+)", certificate.cause).group(1))
     poses = random_poses(np.random.default_rng(1), REGION, (0, 0, 0), 20.0, 3000)
     ideal = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.0)
-    head = PoseError.from_standard_deviations(2.0, 0.0)
-    assert probabilities(poses, ON_TOP, 0.02, ideal, head, LIMITS).max() <= said
+    pose_error = ALONG
+    assert probabilities(poses, ON_TOP, 0.02, ideal, pose_error, LIMITS).max() <= said
 
 
-def test_what_a_pose_meets_is_not_called_unmet():
-    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, PoseError.from_standard_deviations(0.02, 1e-5), LIMITS, REGION)
+def test_what_a_pose_meets_is_not_called_not_met():
+    certificate = certify(ON_TOP, Setup(CAMERA, SMALL, REQUIREMENT, LIMITS), REGION)
     assert not certificate.proven
     assert certificate.upper_bound >= 0.95
     assert certificate.cause.startswith("not excluded")
 
 
 def test_a_search_cut_short_says_so():
-    head = PoseError.from_standard_deviations(0.5, 1e-4)
-    certificate = certify(ON_TOP, REQUIREMENT, CAMERA, head, LIMITS, REGION, budget=Budget(boxes=2))
+    pose_error = PoseError.from_standard_deviations(0.5, 1e-4)
+    certificate = certify(ON_TOP, Setup(CAMERA, pose_error, REQUIREMENT, LIMITS), REGION, budget=Budget(boxes=2))
     assert not certificate.proven
     assert certificate.cause.startswith("not decided")
 
@@ -65,31 +67,33 @@ def test_a_search_cut_short_says_so():
 @pytest.mark.parametrize(
     ("measured", "region"),
     [
-        (dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, -1]])), Shell(250.0, 450.0, above=50.0)),
+        (characteristic("D", measurand((-10, 0, 0), (10, 0, 0), [[0, 0, -1]])), Shell(250.0, 450.0, above=50.0)),
         # the ends are on faces turned away from each other: within the region no eye sees both
-        (dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[-1, 0, 0]], [[1, 0, 0]])), REGION),
+        (characteristic("D", measurand((-10, 0, 0), (10, 0, 0), [[-1, 0, 0]], [[1, 0, 0]])), REGION),
         (ON_TOP, Shell(250.0, 450.0, above=500.0)),
         (ON_TOP, Shell(250.0, -450.0)),
     ],
     ids=["below", "back to back", "no region", "bounds that exclude each other"],
 )
 def test_faces_turned_to_no_allowed_eye(measured, region):
-    certificate = certify(measured, REQUIREMENT, CAMERA, NO_ERROR, LIMITS, region)
+    certificate = certify(measured, Setup(CAMERA, NO_ERROR, REQUIREMENT, LIMITS), region)
     assert certificate.proven
     assert certificate.upper_bound == 0.0
     assert "turned to the camera" in certificate.cause
 
 
-def test_gauges_of_several_lengths_are_bounded_together():
-    head = PoseError.from_standard_deviations(0.4, 1e-4)
-    both = dimension("D", gauge((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]), gauge((-30, 5, 0), (30, 5, 0), [[0, 0, 1]]))
-    certificate = certify(both, Requirement("error", 0.02, 0.95), CAMERA, head, LIMITS, REGION)
+def test_measurands_of_several_lengths_are_bounded_together():
+    pose_error = PoseError.from_standard_deviations(0.4, 1e-4)
+    both = characteristic(
+        "D", measurand((-10, 0, 0), (10, 0, 0), [[0, 0, 1]]), measurand((-30, 5, 0), (30, 5, 0), [[0, 0, 1]])
+    )
+    certificate = certify(both, Setup(CAMERA, pose_error, Requirement("error", 0.02, 0.95), LIMITS), REGION)
     poses = random_poses(np.random.default_rng(2), REGION, (0, 0, 0), 20.0, 4000)
-    assert probabilities(poses, both, 0.02, CAMERA, head, LIMITS).max() <= certificate.upper_bound
+    assert probabilities(poses, both, 0.02, CAMERA, pose_error, LIMITS).max() <= certificate.upper_bound
 
 
-def test_a_dimension_without_allowed_error_is_refused():
-    basic = dimension("D", gauge((-10, 0, 0), (10, 0, 0)))
-    basic = type(basic)(basic.id, basic.kind, basic.nominal_mm, None, basic.gauges)
+def test_a_characteristic_without_allowed_error_is_refused():
+    basic = characteristic("D", measurand((-10, 0, 0), (10, 0, 0)))
+    basic = type(basic)(basic.id, basic.kind, basic.nominal_mm, None, basic.measurands)
     with pytest.raises(ValueError, match="no tolerance"):
-        certify(basic, Requirement("fraction_of_tolerance", 0.1, 0.95), CAMERA, NO_ERROR, LIMITS, REGION)
+        certify(basic, Setup(CAMERA, NO_ERROR, Requirement("fraction_of_tolerance", 0.1, 0.95), LIMITS), REGION)

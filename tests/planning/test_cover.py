@@ -1,4 +1,4 @@
-"""The least set of settings, against trying every subset."""
+"""The least set of viewpoints, against trying every subset."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_strategies import acceptances, level_tables
 
-from viewgauge.planning import minimum_cover, surest_minimum_cover
+from viewgauge.planning import minimum_cover, most_probable_minimum_cover
 from viewgauge.planning.cover.minimum_cover import minimum_cover as cover_module
 
 
@@ -42,15 +42,15 @@ def test_equals_brute_force(accepted):
 
 @settings(max_examples=300, deadline=None)
 @given(level=level_tables())
-def test_the_surest_of_the_least_equals_brute_force(level):
-    cover = surest_minimum_cover(level)
+def test_the_most_probable_of_the_least_equals_brute_force(level):
+    cover = most_probable_minimum_cover(level)
     least = every_least_cover(level > 0)
     assert len(cover.chosen) == len(least[0])
     assert covers(level > 0, cover.chosen)
     assert cover.proven
     if level.shape[1]:
-        surest = max(min(max(level[k, j] for k in c) for j in range(level.shape[1])) for c in least)
-        assert min(max(level[k, j] for k in cover.chosen) for j in range(level.shape[1])) == surest
+        most_probable = max(min(max(level[k, j] for k in c) for j in range(level.shape[1])) for c in least)
+        assert min(max(level[k, j] for k in cover.chosen) for j in range(level.shape[1])) == most_probable
 
 
 @settings(max_examples=200, deadline=None)
@@ -115,16 +115,16 @@ def test_independent_parts_are_solved_apart():
     assert len(cover.chosen) == cover.lower_bound == sum(len(every_least_cover(part)[0]) for part in parts)
 
 
-def test_no_dimension_needs_no_setting():
+def test_no_characteristic_needs_no_viewpoint():
     assert minimum_cover(np.zeros((4, 0), dtype=bool)).chosen == ()
-    assert surest_minimum_cover(np.zeros((4, 0), np.uint16)).proven
-    assert surest_minimum_cover(np.zeros((0, 0), np.uint16)).chosen == ()
+    assert most_probable_minimum_cover(np.zeros((4, 0), np.uint16)).proven
+    assert most_probable_minimum_cover(np.zeros((0, 0), np.uint16)).chosen == ()
 
 
-def test_a_dimension_that_nothing_accepts_is_refused():
-    with pytest.raises(ValueError, match="accepted from no setting"):
+def test_a_characteristic_that_nothing_accepts_is_refused():
+    with pytest.raises(ValueError, match="accepted from no viewpoint"):
         minimum_cover(np.array([[True, False], [True, False]]))
-    with pytest.raises(ValueError, match="accepted from no setting"):
+    with pytest.raises(ValueError, match="accepted from no viewpoint"):
         minimum_cover(np.zeros((0, 1), dtype=bool))
 
 
@@ -139,7 +139,7 @@ def test_the_cover_depends_on_the_set_of_rows_alone():
     rng = np.random.default_rng(3)
     level = rng.integers(0, 3000, (150, 12)) * (rng.random((150, 12)) < 0.4)
     level = np.vstack([level, level[:75]]).astype(np.uint16)
-    for find in (surest_minimum_cover, lambda table: minimum_cover(table > 1500)):
+    for find in (most_probable_minimum_cover, lambda table: minimum_cover(table > 1500)):
         first = find(level)
         assert find(level) == first
         assert max(first.chosen) < 150
@@ -148,11 +148,11 @@ def test_the_cover_depends_on_the_set_of_rows_alone():
             again = find(level[order])
             assert again.lower_bound == first.lower_bound
             chosen = level[order][list(again.chosen)]
-            if find is surest_minimum_cover:
+            if find is most_probable_minimum_cover:
                 assert {tuple(row) for row in chosen} == {tuple(row) for row in level[list(first.chosen)]}
             for k in again.chosen:
                 equal = (level[order] == level[order][k]).all(axis=1)
-                assert find is not surest_minimum_cover or k == np.nonzero(equal)[0][0]
+                assert find is not most_probable_minimum_cover or k == np.nonzero(equal)[0][0]
 
 
 def test_of_many_rows_the_two_that_are_whole_are_found():
@@ -230,6 +230,6 @@ def test_a_search_without_time_still_gives_a_cover_with_an_honest_bound():
     accepted = random_instance()
     proven = minimum_cover(accepted)
     assert proven.proven
-    cover = surest_minimum_cover(accepted.astype(np.uint16), time_limit_s=0.0)
+    cover = most_probable_minimum_cover(accepted.astype(np.uint16), time_limit_s=0.0)
     assert covers(accepted, cover.chosen)
     assert cover.lower_bound <= len(proven.chosen) <= len(cover.chosen)

@@ -1,4 +1,4 @@
-"""What a stream of settings leaves, against comparing all pairs and against trying every subset."""
+"""What a stream of viewpoints leaves, against comparing all pairs and against trying every subset."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def maximal(index, level, certain) -> list[int]:
     )
 
 
-def least_and_surest(level):
+def least_and_most_probable(level):
     """Least number of rows that hold every column, and the best weakest level of so many; None without a cover."""
     for size in range(len(level) + 1):
         weakest = [
@@ -85,7 +85,7 @@ def test_neither_order_nor_chunks_nor_merging_matter(case, data):
 
 @settings(max_examples=300, deadline=None)
 @given(case=streamed_levels(), data=st.data())
-def test_a_row_told_twice_counts_once(case, data):
+def test_a_row_reported_twice_counts_once(case, data):
     kept = streamed(*case, chunks=2)
     again = data.draw(st.lists(st.integers(0, max(0, len(case[0]) - 1)), max_size=6 if len(case[0]) else 0))
     before = kept.index
@@ -99,11 +99,11 @@ def test_a_row_told_twice_counts_once(case, data):
 def test_the_cover_loses_nothing_even_if_doubtful_levels_turn_out_lower(case, data):
     index, level, certain = case
     kept = np.isin(index, streamed(*case, chunks=2).index)
-    assert least_and_surest(level[kept]) == least_and_surest(level)
+    assert least_and_most_probable(level[kept]) == least_and_most_probable(level)
     lowered = level.copy()
     for i, d in zip(*np.nonzero(~certain & (level > 0)), strict=True):
         lowered[i, d] = data.draw(st.integers(0, int(level[i, d])))
-    assert least_and_surest(lowered[kept]) == least_and_surest(lowered)
+    assert least_and_most_probable(lowered[kept]) == least_and_most_probable(lowered)
 
 
 @settings(max_examples=300, deadline=None)
@@ -114,20 +114,20 @@ def test_maximal_sets_equal_those_found_pair_by_pair(accepted):
     assert maximal_rows(accepted).tolist() == expected
 
 
-def test_no_rows_no_dimensions_and_rows_of_zeros():
-    for dimensions in (0, 1, 64, 65):
-        kept = streamed(np.arange(4), np.zeros((4, dimensions), np.uint16), np.ones((4, dimensions), bool))
+def test_no_rows_no_characteristics_and_rows_of_zeros():
+    for characteristics in (0, 1, 64, 65):
+        kept = streamed(np.arange(4), np.zeros((4, characteristics), np.uint16), np.ones((4, characteristics), bool))
         assert len(kept) == 0
-        assert kept.level.shape == kept.certain.shape == (0, dimensions)
-        kept.merge(Undominated(dimensions))
+        assert kept.level.shape == kept.certain.shape == (0, characteristics)
+        kept.merge(Undominated(characteristics))
         assert len(kept) == 0
 
 
-@pytest.mark.parametrize("dimensions", [1, 63, 64, 65, 128, 200])
-def test_of_equal_rows_the_lowest_index_stays_unless_they_are_in_doubt(dimensions):
+@pytest.mark.parametrize("characteristics", [1, 63, 64, 65, 128, 200])
+def test_of_equal_rows_the_lowest_index_stays_unless_they_are_in_doubt(characteristics):
     index = np.array([9, 4, 6, 5])
-    level = np.full((4, dimensions), 9876, np.uint16)
-    certain = np.ones((4, dimensions), bool)
+    level = np.full((4, characteristics), 9876, np.uint16)
+    certain = np.ones((4, characteristics), bool)
     assert streamed(index, level, certain, chunks=3).index.tolist() == [4]
     certain[:, -1] = False
     assert streamed(index, level, certain, chunks=3).index.tolist() == [4, 5, 6, 9]
@@ -135,12 +135,12 @@ def test_of_equal_rows_the_lowest_index_stays_unless_they_are_in_doubt(dimension
     assert streamed(index, level, certain, chunks=3).index.tolist() == [9]
 
 
-@pytest.mark.parametrize("dimensions", [5, 70])
-def test_many_rows_over_many_blocks_equal_the_comparison_of_all_pairs(dimensions):
+@pytest.mark.parametrize("characteristics", [5, 70])
+def test_many_rows_over_many_blocks_equal_the_comparison_of_all_pairs(characteristics):
     rng = np.random.default_rng(11)
-    level = rng.integers(0, 4, (1500, dimensions)).astype(np.uint16) * (rng.random((1500, dimensions)) < 0.9)
+    level = rng.integers(0, 4, (1500, characteristics)).astype(np.uint16) * (rng.random((1500, characteristics)) < 0.9)
     level[700:] = np.minimum(level[700:], level[rng.integers(0, 700, 800)])
-    certain = rng.random((1500, dimensions)) < 0.98
+    certain = rng.random((1500, characteristics)) < 0.98
     index = rng.permutation(1500)
     bound = level * certain
     below = (level[:, None] <= bound[None]).all(axis=2)

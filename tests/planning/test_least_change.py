@@ -1,4 +1,4 @@
-"""The largest error with which a segment is measured: by hand where there is one setting and one error."""
+"""The largest error with which a segment is measured: by hand where there is one viewpoint and one error."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from viewgauge.evaluation import Evaluator, Requirement
+from viewgauge.evaluation import Evaluator, Requirement, Setup
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Dimension, Gauge, Mesh
-from viewgauge.planning.improve.knobs import KNOBS, SetUp, scaled_head
+from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.planning.improve.knobs import KNOBS, Rig, scaled_pose_error
 from viewgauge.planning.improve.least_change import SHORT, largest_factor, meeting, met_interval
 from viewgauge.sensors import Camera
 
@@ -25,7 +25,7 @@ PLATE = Mesh(
 )
 UP = np.array([[0.0, 0.0, 1.0]])
 ENDS = np.array([[-LENGTH / 2, 0, 0], [LENGTH / 2, 0, 0]])
-BAR = Dimension("bar", "gauge", LENGTH, (-0.2, 0.2), (Gauge(ENDS[0], ENDS[1], UP, UP),))
+BAR = Characteristic("bar", "measurand", LENGTH, (-0.2, 0.2), (Measurand(ENDS[0], ENDS[1], UP, UP),))
 # straight above, image columns along the bar
 ABOVE = look_at(np.array([[0.0, 0.0, DEPTH]]), np.zeros((1, 3)), np.zeros(1))
 
@@ -40,15 +40,17 @@ def along_x(pose):
 POSE = along_x(ABOVE)
 
 
-def evaluator(error_mm, camera=CAMERA, head=None, dimensions=(BAR,)):
+def evaluator(error_mm, camera=CAMERA, pose_error=None, characteristics=(BAR,)):
     none = PoseError(np.zeros((6, 6)))
-    return Evaluator(dimensions, PLATE, camera, head or none, Requirement("error", error_mm, REQUIRED))
+    return Evaluator(
+        characteristics, PLATE, Setup(camera, pose_error or none, Requirement("error", error_mm, REQUIRED))
+    )
 
 
 def turned(base, setup, name):
     def at(factor):
         changed = KNOBS[name].turned(setup, factor)
-        return base.with_errors(changed.camera, changed.head)
+        return base.with_errors(changed.camera, changed.pose_error)
 
     return at
 
@@ -58,7 +60,7 @@ def test_pixels_alone_by_hand(allowed_mm):
     # the error of the length is the difference of two uniform errors: triangular on (-step, step), so that
     # Pr{|error| <= a} = 1 - (1 - a / step)²; one step on the part is pitch * depth / focal length
     base = evaluator(allowed_mm)
-    setup = SetUp(CAMERA, PoseError(np.zeros((6, 6))), (200.0, 300.0))
+    setup = Rig(CAMERA, PoseError(np.zeros((6, 6))), (200.0, 300.0))
     found = largest_factor(turned(base, setup, "pixel"), POSE)
     step_on_part = CAMERA.edge_resolution_px * PITCH * DEPTH / FOCAL
     by_hand = allowed_mm / (1 - np.sqrt(1 - REQUIRED)) / step_on_part
@@ -68,56 +70,57 @@ def test_pixels_alone_by_hand(allowed_mm):
 
 @pytest.mark.parametrize("sigma_mm", [0.02, 0.3])
 def test_translation_alone_by_hand(sigma_mm):
-    # only along the optical axis, with an ideal edge locator: the length scales with the depth, error = L sigma / Z
-    head = PoseError.from_standard_deviations((0, 0, sigma_mm), 0.0)
+    # only along the optical axis, with an ideal edge edge_detector: the length scales with the depth, error = L sigma /
+    # Z
+    pose_error = PoseError.from_standard_deviations((0, 0, sigma_mm), 0.0)
     camera = replace(CAMERA, edge_resolution_px=0.0)
-    base = evaluator(0.05, camera, head)
-    for name in ("translation", "head"):
-        found = largest_factor(turned(base, SetUp(camera, head, (200.0, 300.0)), name), POSE)
+    base = evaluator(0.05, camera, pose_error)
+    for name in ("translation", "pose_error"):
+        found = largest_factor(turned(base, Rig(camera, pose_error, (200.0, 300.0)), name), POSE)
         by_hand = 0.05 * DEPTH / LENGTH / norm.ppf((1 + REQUIRED) / 2) / sigma_mm
         assert found.factor == pytest.approx(by_hand, rel=SHORT)
-    rotation = largest_factor(turned(base, SetUp(camera, head, (200.0, 300.0)), "rotation"), POSE)
+    rotation = largest_factor(turned(base, Rig(camera, pose_error, (200.0, 300.0)), "rotation"), POSE)
     assert rotation.unlimited == (by_hand > 1), "there is no rotation to be less of"
 
 
 def test_what_no_factor_helps_has_none():
-    head = PoseError.from_standard_deviations((0, 0, 5.0), 0.0)
-    base = evaluator(0.05, CAMERA, head)
-    setup = SetUp(CAMERA, head, (200.0, 300.0))
+    pose_error = PoseError.from_standard_deviations((0, 0, 5.0), 0.0)
+    base = evaluator(0.05, CAMERA, pose_error)
+    setup = Rig(CAMERA, pose_error, (200.0, 300.0))
     assert largest_factor(turned(base, setup, "pixel"), POSE).factor is None
     away = POSE.copy()
-    away[0, :3, 2] *= -1  # looks away: nothing is seen, whatever the errors
+    away[0, :3, 2] *= -1  # acquisitions away: nothing is seen, whatever the errors
     away[0, :3, 0] *= -1
-    assert largest_factor(turned(base, setup, "head"), away).factor is None
+    assert largest_factor(turned(base, setup, "pose_error"), away).factor is None
 
 
-def test_all_dimensions_each_from_its_own_setting():
-    # two bars, of which each setting sees one; the part is met as long as both are
+def test_all_characteristics_each_from_its_own_viewpoint():
+    # two bars, of which each viewpoint sees one; the part is met as long as both are
     far = np.array([[-LENGTH / 2, 5, 0], [LENGTH / 2, 5, 0]])
-    other = replace(BAR, id="other", gauges=(Gauge(far[0], far[1], -UP, -UP),))
+    other = replace(BAR, id="other", measurands=(Measurand(far[0], far[1], -UP, -UP),))
     below = POSE.copy()
     below[0, :3, :3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     below[0, 2, 3] = -400.0
-    head = PoseError.from_standard_deviations((0, 0, 0.1), 0.0)
-    base = evaluator(0.05, CAMERA, head, (BAR, other))
+    pose_error = PoseError.from_standard_deviations((0, 0, 0.1), 0.0)
+    base = evaluator(0.05, CAMERA, pose_error, (BAR, other))
     both = np.concatenate([POSE, below])
-    setup = SetUp(CAMERA, head, (200.0, 300.0))
-    seen = meeting(base.with_errors(replace(CAMERA, edge_resolution_px=0.0), scaled_head(head, 0, 0)), both)
+    setup = Rig(CAMERA, pose_error, (200.0, 300.0))
+    seen = meeting(base.with_errors(replace(CAMERA, edge_resolution_px=0.0), scaled_pose_error(pose_error, 0, 0)), both)
     apart = [largest_factor(turned(base.of([j]), setup, "pixel"), both).factor for j in range(2) if seen[:, j].any()]
     together = largest_factor(turned(base, setup, "pixel"), both).factor
     assert together == (pytest.approx(min(apart), rel=SHORT) if len(apart) == 2 else None)
 
 
-def test_scaling_a_head_scales_its_deviations_and_what_looks_share():
+def test_scaling_a_pose_error_scales_its_deviations_and_what_acquisitions_share():
     covariance = np.diag([0.1, 0.2, 0.3, 1e-3, 2e-3, 3e-3]) ** 2
     covariance[0, 5] = covariance[5, 0] = 0.5 * 0.1 * 3e-3
-    head = PoseError(covariance, (0, 0, -16.0), common_covariance=covariance / 4)
-    scaled = scaled_head(head, 2.0, 0.5)
+    pose_error = PoseError(covariance, (0, 0, -16.0), common_covariance=covariance / 4)
+    scaled = scaled_pose_error(pose_error, 2.0, 0.5)
     deviations = np.sqrt(scaled.covariance.diagonal())
     assert deviations == pytest.approx([0.2, 0.4, 0.6, 5e-4, 1e-3, 1.5e-3])
     assert scaled.covariance[0, 5] / (deviations[0] * deviations[5]) == pytest.approx(0.5)
     assert scaled.common_covariance == pytest.approx(scaled.covariance / 4)
-    assert (scaled.T_camera_head == head.T_camera_head).all()
+    assert (scaled.T_camera_frame == pose_error.T_camera_frame).all()
 
 
 @given(

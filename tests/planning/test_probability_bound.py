@@ -4,36 +4,36 @@ import math
 
 import numpy as np
 import pytest
-from bounded_regions import Shell, dimension, gauge, probabilities, random_poses
+from bounded_regions import Shell, characteristic, measurand, probabilities, random_poses
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strategies import pose_covariances
-from viewgauge.evaluation import image_segment
+from viewgauge.evaluation import Requirement, Setup, image_segment
 from viewgauge.geometry import Lens, PoseError, look_at
 from viewgauge.planning.bounds import Budget
 from viewgauge.planning.bounds.box_bounds import OUT, box_bounds
 from viewgauge.planning.bounds.branch_and_bound import _Search, probability_bound
 from viewgauge.planning.bounds.distance_grid import DistanceGrid
 from viewgauge.planning.bounds.eye_region import reachable_distances
-from viewgauge.sensors import Camera, EdgeLocator
+from viewgauge.sensors import Camera, EdgeDetector
 from viewgauge.visibility import ObservationLimits
 
 CAMERA = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.2)
 WIDE = Camera(6.0, (0.00345, 0.005), (2448, 1400), edge_resolution_px=1.0, principal_point_px=(900.0, 800.0))
 SHARP_NEAR_300 = Camera(16.0, (0.00345, 0.00345), (2448, 2048), f_number=2.0, focus_distance_mm=300.0)
 BENT = Camera(8.0, (0.00345, 0.00345), (2448, 2048), lens=Lens("radial-tangential", (-0.3, 0.15, 1e-3, -2e-3)))
-LOCATED = Camera(16.0, (0.00345, 0.00345), (2448, 2048), locator=EdgeLocator(0.1, 0.03, 14, 5.0))
+LOCATED = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_detector=EdgeDetector(0.1, 0.03, 14, 5.0))
 CALIBRATED = Camera(
     12.0,
     (0.00345, 0.0036),
     (2448, 2048),
     lens=Lens("equidistant", (0.03, -0.01, 0.0, 0.0)),
     intrinsics_covariance=tuple(map(tuple, np.diag([1.0, 1.0, 2.0, 2.0, 1e-6, 1e-6, 1e-8, 1e-8]).tolist())),
-    locator=EdgeLocator(0.2),
+    edge_detector=EdgeDetector(0.2),
 )
 LIMITS = ObservationLimits()
-HEAD = PoseError.from_standard_deviations(0.1, 3e-4, pivot_mm=(5.0, 0.0, -60.0))
+POSE_ERROR = PoseError.from_standard_deviations(0.1, 3e-4, pivot_mm=(5.0, 0.0, -60.0))
 
 
 def anything(shortest_mm=1.0, longest_mm=1e5):
@@ -43,18 +43,19 @@ def anything(shortest_mm=1.0, longest_mm=1e5):
 
 
 def bound_of(measured, allowed_mm, region, camera, error, limits=LIMITS, target=2.0, budget=None):
-    """The bound of a dimension of one gauge."""
-    only = measured.gauges[0]
+    """The bound of a characteristic of one measurand."""
+    only = measured.measurands[0]
     ends, normals = np.stack([only.start, only.end]), np.stack([only.start_normals, only.end_normals])
     grid = reachable_distances(ends[None], normals[None], region, limits)
     length = only.length_mm
+    setup = Setup(camera, error, Requirement("error", allowed_mm, 0.95), limits)
     return probability_bound(
-        (length, length), allowed_mm / length, grid, camera, error, limits, target=target, budget=budget or Budget()
+        (length, length), allowed_mm / length, grid, setup, target=target, budget=budget or Budget()
     )
 
 
 def way_to_lie(start, end):
-    """The five parameters of a gauge before the camera, from their definition."""
+    """The five parameters of a measurand before the camera, from their definition."""
     p = np.stack([start, end])
     if (p[1, 1] / p[1, 2] - p[0, 1] / p[0, 2]) < 0:
         p = p[::-1]
@@ -117,7 +118,7 @@ def test_no_pose_in_the_region_exceeds_the_bound(seed, covariance, camera, lengt
     half = direction / np.linalg.norm(direction) * length / 2
     normals = rng.normal(size=(2, 2, 3))
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    measured = dimension("D", gauge(-half, half, normals[0], normals[1]))
+    measured = characteristic("D", measurand(-half, half, normals[0], normals[1]))
     region = Shell(rng.uniform(100, 300), rng.uniform(300, 600), centre=rng.normal(size=3) * 20, above=-50.0)
     bound = bound_of(measured, tolerance * length, region, camera, error, budget=Budget(boxes=10_000))
     poses = random_poses(rng, region, (0, 0, 0), 0.05 * region.far, 1000)
@@ -158,14 +159,14 @@ CORRELATED = PoseError(
     # tightness 1e-3, what the bins of the distances add (a few per cent of the distance: much where the best eye is at
     # the region's border, nothing where it is inside), and the random search's own shortfall
     [
-        (HEAD, CAMERA, 30.0, 6e-4, 6e-3),
-        (HEAD, CAMERA, 120.0, 3e-4, 0.03),
+        (POSE_ERROR, CAMERA, 30.0, 6e-4, 6e-3),
+        (POSE_ERROR, CAMERA, 120.0, 3e-4, 0.03),
         (CORRELATED, WIDE, 60.0, 1e-3, 0.012),
-        (HEAD, SHARP_NEAR_300, 30.0, 8e-4, 6e-3),
+        (POSE_ERROR, SHARP_NEAR_300, 30.0, 8e-4, 6e-3),
     ],
 )
 def test_the_bound_is_near_the_highest_probability_of_a_search(error, camera, length, tolerance, near):
-    measured = dimension("D", gauge((-length / 2, 0, 0), (length / 2, 0, 0)))
+    measured = characteristic("D", measurand((-length / 2, 0, 0), (length / 2, 0, 0)))
     region = Shell(200.0, 500.0)
     bound = bound_of(measured, tolerance * length, region, camera, error, budget=Budget(tightness=1e-3))
     reached = climb(region, measured, tolerance * length, camera, error, seed=1)
@@ -175,9 +176,9 @@ def test_the_bound_is_near_the_highest_probability_of_a_search(error, camera, le
 
 
 def test_a_search_cut_short_is_still_a_bound_and_a_longer_one_is_no_worse():
-    measured = dimension("D", gauge((-20, 0, 0), (20, 0, 0)))
+    measured = characteristic("D", measurand((-20, 0, 0), (20, 0, 0)))
     uppers = [
-        bound_of(measured, 0.02, Shell(200, 500), CAMERA, HEAD, budget=Budget(boxes)).upper
+        bound_of(measured, 0.02, Shell(200, 500), CAMERA, POSE_ERROR, budget=Budget(boxes)).upper
         for boxes in (1, 1000, 10_000, 100_000)
     ]
     assert uppers == sorted(uppers, reverse=True)
@@ -185,7 +186,7 @@ def test_a_search_cut_short_is_still_a_bound_and_a_longer_one_is_no_worse():
 
 
 def test_without_pose_error_and_pixels_everything_is_certain():
-    measured = dimension("D", gauge((-20, 0, 0), (20, 0, 0)))
+    measured = characteristic("D", measurand((-20, 0, 0), (20, 0, 0)))
     ideal = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=0.0)
     bound = bound_of(measured, 0.02, Shell(200, 500), ideal, PoseError(np.zeros((6, 6))))
     assert bound.upper == 1.0
@@ -206,37 +207,37 @@ class Narrow(Shell):
         return super().possible(low, high) & (nearest <= 0.035 * high[:, 2])
 
 
-def test_gauge_that_never_fits_the_image_is_measured_nowhere():
+def test_measurand_that_never_fits_the_image_is_measured_nowhere():
     # from above its middle it takes 61 deg of a field of view of 30 deg x 25 deg
-    measured = dimension("D", gauge((-300, 0, 0), (300, 0, 0)))
-    assert bound_of(measured, 6.0, Narrow(450, 500), CAMERA, HEAD).upper == 0.0
+    measured = characteristic("D", measurand((-300, 0, 0), (300, 0, 0)))
+    assert bound_of(measured, 6.0, Narrow(450, 500), CAMERA, POSE_ERROR).upper == 0.0
 
 
-def test_gauge_too_short_in_every_image_is_measured_nowhere():
+def test_measurand_too_short_in_every_image_is_measured_nowhere():
     # 16 px are 0.69 mm at 200 mm
-    measured = dimension("D", gauge((-0.1, 0, 0), (0.1, 0, 0)))
-    assert bound_of(measured, 1.0, Shell(200, 500), CAMERA, HEAD).upper == 0.0
+    measured = characteristic("D", measurand((-0.1, 0, 0), (0.1, 0, 0)))
+    assert bound_of(measured, 1.0, Shell(200, 500), CAMERA, POSE_ERROR).upper == 0.0
 
 
 def test_region_out_of_focus_is_measured_nowhere():
-    measured = dimension("D", gauge((-20, 0, 0), (20, 0, 0)))
-    assert bound_of(measured, 1.0, Shell(500, 700), SHARP_NEAR_300, HEAD).upper == 0.0
+    measured = characteristic("D", measurand((-20, 0, 0), (20, 0, 0)))
+    assert bound_of(measured, 1.0, Shell(500, 700), SHARP_NEAR_300, POSE_ERROR).upper == 0.0
 
 
 def test_image_without_room_inside_the_margin_measures_nothing():
-    measured = dimension("D", gauge((-20, 0, 0), (20, 0, 0)))
-    assert bound_of(measured, 1.0, Shell(200, 500), CAMERA, HEAD, ObservationLimits(margin_px=2000)).upper == 0.0
+    measured = characteristic("D", measurand((-20, 0, 0), (20, 0, 0)))
+    assert bound_of(measured, 1.0, Shell(200, 500), CAMERA, POSE_ERROR, ObservationLimits(margin_px=2000)).upper == 0.0
 
 
-def test_no_eye_nearly_in_line_with_the_gauge_exceeds_the_bound():
-    measured = dimension("D", gauge((0, 0, -30), (0, 0, 30)))
+def test_no_eye_nearly_in_line_with_the_measurand_exceeds_the_bound():
+    measured = characteristic("D", measurand((0, 0, -30), (0, 0, 30)))
     region, limits = Narrow(300.0, 400.0), ObservationLimits(minimum_length_px=0.0)
-    bound = bound_of(measured, 0.06, region, CAMERA, HEAD, limits, budget=Budget(boxes=200_000))
+    bound = bound_of(measured, 0.06, region, CAMERA, POSE_ERROR, limits, budget=Budget(boxes=200_000))
     rng = np.random.default_rng(3)
     z = rng.uniform(300, 400, 10_000)
     turn, tilt = rng.uniform(0, 2 * np.pi, len(z)), 0.035 * np.sqrt(rng.uniform(0, 1, len(z)))
     eyes = np.column_stack([z * tilt * np.cos(turn), z * tilt * np.sin(turn), z])
     eyes = eyes[region.allowed(eyes)]
     poses = look_at(eyes, rng.normal(size=eyes.shape) * 40, rng.uniform(0, np.pi, len(eyes)))
-    reached = probabilities(poses, measured, 0.06, CAMERA, HEAD, limits)
+    reached = probabilities(poses, measured, 0.06, CAMERA, POSE_ERROR, limits)
     assert 0 < reached.max() <= bound.upper

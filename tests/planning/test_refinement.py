@@ -11,16 +11,16 @@ import pytest
 from hypothesis import given
 from planning_strategies import acceptances
 
-from viewgauge.evaluation import Evaluator, Requirement
+from viewgauge.evaluation import Evaluator, Requirement, Setup
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Dimension, Gauge, Mesh
-from viewgauge.planning import Refiner, SettingPool
-from viewgauge.planning.cover.prices import dimension_prices
+from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.planning import Refiner, ViewpointPool
+from viewgauge.planning.cover.prices import characteristic_prices
 from viewgauge.planning.refine import refinement as refinement_module
 from viewgauge.sensors import Camera
 
 CAMERA = Camera(12.0, (0.005, 0.005), (1200, 900), edge_resolution_px=0.25)
-HEAD = PoseError.from_standard_deviations(0.1, 5e-4, pivot_mm=(0, 0, -30))
+POSE_ERROR = PoseError.from_standard_deviations(0.1, 5e-4, pivot_mm=(0, 0, -30))
 BOX = np.array([[-60.0, -60.0, 150.0], [60.0, 60.0, 260.0]])
 REQUIRED = 0.9
 
@@ -42,18 +42,18 @@ class InBox:
         return ((points >= self.corners[0]) & (points <= self.corners[1])).all(axis=1)
 
 
-def gauge(name, start, end):
+def measurand(name, start, end):
     ends = np.array([start, end], dtype=float)
     length = float(np.linalg.norm(ends[1] - ends[0]))
-    return Dimension(name, "gauge", length, (-0.2, 0.2), (Gauge(ends[0], ends[1], UP, UP),))
+    return Characteristic(name, "measurand", length, (-0.2, 0.2), (Measurand(ends[0], ends[1], UP, UP),))
 
 
-NEAR = (gauge("A", [-20, -10, 0], [20, -10, 0]), gauge("B", [0, -15, 0], [0, 18, 0]))
-APART = (*NEAR, gauge("C", [-50, 50, 0], [-50, 20, 0]))
+NEAR = (measurand("A", [-20, -10, 0], [20, -10, 0]), measurand("B", [0, -15, 0], [0, 18, 0]))
+APART = (*NEAR, measurand("C", [-50, 50, 0], [-50, 20, 0]))
 
 
-def evaluator(dimensions, error_mm):
-    return Evaluator(dimensions, PLATE, CAMERA, HEAD, Requirement("error", error_mm, REQUIRED))
+def evaluator(characteristics, error_mm):
+    return Evaluator(characteristics, PLATE, Setup(CAMERA, POSE_ERROR, Requirement("error", error_mm, REQUIRED)))
 
 
 def grid_of_poses(step_mm, tilts, rolls):
@@ -68,37 +68,37 @@ def grid_of_poses(step_mm, tilts, rolls):
     return np.concatenate(made)
 
 
-def refined(dimensions, error_mm, starts, **changes):
-    judge = evaluator(dimensions, error_mm)
+def refined(characteristics, error_mm, starts, **changes):
+    judge = evaluator(characteristics, error_mm)
     probability = judge.probabilities(starts)
-    pool = SettingPool(starts, probability)
-    middle = np.array([(d.gauges[0].start + d.gauges[0].end) / 2 for d in dimensions])
+    pool = ViewpointPool(starts, probability)
+    middle = np.array([(d.measurands[0].start + d.measurands[0].end) / 2 for d in characteristics])
     options = {"seed": 0, "deadline": time.monotonic() + 60, **changes}
     refiner = Refiner(judge, InBox(BOX), REQUIRED, pool, middle, **options)
-    chosen, bound = pool.surest_cover(REQUIRED, 10.0)
+    chosen, bound = pool.most_probable_cover(REQUIRED, 10.0)
     return chosen, *refiner.improved(chosen, bound), judge
 
 
 FEW = look_at([[40.0, 40, 240], [-40, 40, 240], [0, -40, 250]], [[0.0, 0, 0], [-30, 20, 0], [0, 0, 0]], [0.1, 0.2, 0.3])
 
 
-def test_the_refined_setting_is_as_sure_as_the_best_of_a_fine_grid():
+def test_the_refined_viewpoint_is_as_sure_as_the_best_of_a_fine_grid():
     """100,000 poses by brute force: none measures the weaker of two dimensions surer than what refining found."""
     poses = grid_of_poses(10.0, np.linspace(-0.2, 0.2, 5), np.arange(0, np.pi, np.pi / 12))
     assert len(poses) > 100_000
     judge = evaluator(NEAR, 0.035)
     brute = judge.probabilities(poses).min(axis=1).max()
-    before, chosen, _, told, _ = refined(NEAR, 0.035, FEW)
+    before, chosen, _, reported, _ = refined(NEAR, 0.035, FEW)
     assert len(chosen) == 1
     assert 0.9 < brute < 0.9999, "a case in which there is something to find"
     assert before.weakest(REQUIRED) < brute - 0.005
     assert chosen.weakest(REQUIRED) >= brute
     assert np.allclose(judge.probabilities(chosen.T_part_camera), chosen.probability, atol=1e-12)
-    assert told.finished
+    assert reported.finished
 
 
-def test_no_grid_needs_fewer_settings():
-    """Three dimensions, brute force over all pairs of the grid's acceptance patterns."""
+def test_no_grid_needs_fewer_viewpoints():
+    """Three characteristics, brute force over all pairs of the grid's acceptance patterns."""
     poses = grid_of_poses(20.0, np.linspace(-0.2, 0.2, 5), np.arange(0, np.pi, np.pi / 6))
     judge = evaluator(APART, 0.035)
     patterns = np.unique(judge.probabilities(poses) >= REQUIRED, axis=0)
@@ -115,12 +115,12 @@ def test_no_grid_needs_fewer_settings():
 
 def test_the_refined_is_never_worse_and_stays_in_the_region():
     starts = grid_of_poses(55.0, [0.0], [0.0, 0.8])
-    before, chosen, _, told, judge = refined(APART, 0.045, starts)
+    before, chosen, _, reported, judge = refined(APART, 0.045, starts)
     assert InBox(BOX).allowed(chosen.T_part_camera[:, :3, 3]).all()
     assert len(chosen) <= len(before)
     assert set(before.reached(REQUIRED)) <= set(chosen.reached(REQUIRED))
     assert np.allclose(judge.probabilities(chosen.T_part_camera), chosen.probability, atol=1e-12)
-    steps = told.steps
+    steps = reported.steps
     assert [s.name for s in steps] == ["sampled", "reach", "surer", "fewer"]
     for earlier, later in itertools.pairwise(steps):
         assert (later.met, -later.count) >= (earlier.met, -earlier.count)
@@ -128,23 +128,23 @@ def test_the_refined_is_never_worse_and_stays_in_the_region():
             assert later.weakest >= earlier.weakest
 
 
-def test_a_dimension_that_no_candidate_meets_is_searched_for():
+def test_a_characteristic_that_no_candidate_meets_is_searched_for():
     starts = look_at([[55.0, 55.0, 255.0]], [[30.0, 30.0, 0.0]], [0.0])
-    before, chosen, _, told, _ = refined(NEAR[:1], 0.035, starts)
+    before, chosen, _, reported, _ = refined(NEAR[:1], 0.035, starts)
     assert len(before) == 0
-    assert told.reached == (0,)
+    assert reported.reached == (0,)
     assert chosen.best()[0] >= REQUIRED
 
 
-def test_the_same_seed_gives_the_same_settings():
+def test_the_same_seed_gives_the_same_viewpoints():
     a, b = (refined(APART, 0.045, FEW, seed=4)[1].T_part_camera for _ in range(2))
     assert (a == b).all()
 
 
 def test_without_time_the_arrangement_stays_and_is_said_to_be_unfinished():
-    before, chosen, _, told, _ = refined(NEAR, 0.045, FEW, deadline=time.monotonic())
+    before, chosen, _, reported, _ = refined(NEAR, 0.045, FEW, deadline=time.monotonic())
     assert chosen is before
-    assert not told.finished
+    assert not reported.finished
 
 
 @pytest.mark.parametrize("calls", [0, 1, 5])
@@ -160,16 +160,16 @@ def test_stopped_by_the_user_the_best_so_far_is_kept(monkeypatch, calls):
         return search(*args)
 
     monkeypatch.setattr(refinement_module.PoseSearch, "best", stopped)
-    before, chosen, _, told, _ = refined(NEAR, 0.045, FEW)
-    assert not told.finished
+    before, chosen, _, reported, _ = refined(NEAR, 0.045, FEW)
+    assert not reported.finished
     assert len(chosen) <= len(before)
     assert chosen.weakest(REQUIRED) >= before.weakest(REQUIRED)
 
 
 @given(acceptances())
 def test_prices_are_those_of_the_linear_relaxation(holds):
-    """Duality: no setting holds more than 1, and the sum bounds every cover from below (brute force)."""
-    prices, total = dimension_prices(holds)
+    """Duality: no viewpoint holds more than 1, and the sum bounds every cover from below (brute force)."""
+    prices, total = characteristic_prices(holds)
     assert ((holds @ prices) <= 1 + 1e-9).all()
     assert total == pytest.approx(prices.sum(), abs=1e-9)
     fewest = next(

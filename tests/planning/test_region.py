@@ -141,7 +141,7 @@ def test_the_conditions_written_out(region):
     assert (region.allowed(points)[far] == expected[far]).all()
 
 
-GAUGES = np.array([[[-20.0, 0, 40], [20, 0, 40]], [[-50, -30, 0], [-50, -30, 40]]])
+MEASURANDS = np.array([[[-20.0, 0, 40], [20, 0, 40]], [[-50, -30, 0], [-50, -30, 40]]])
 OPTIONS = CandidateOptions((150.0, 300.0), directions=80, rolls=2)
 
 
@@ -155,8 +155,8 @@ OPTIONS = CandidateOptions((150.0, 300.0), directions=80, rolls=2)
     ],
 )
 def test_the_candidates_are_those_of_the_whole_grid_that_are_allowed(changes):
-    everything = CandidateGrid(GAUGES, CHANNEL, CAMERA, OPTIONS, seed=0)
-    some = CandidateGrid(GAUGES, CHANNEL, CAMERA, replace(OPTIONS, **changes), seed=0)
+    everything = CandidateGrid(MEASURANDS, CHANNEL, CAMERA, OPTIONS, seed=0)
+    some = CandidateGrid(MEASURANDS, CHANNEL, CAMERA, replace(OPTIONS, **changes), seed=0)
     poses = everything.poses(0, len(everything))
     expected = poses[some.region.allowed(poses[:, :3, 3])]
     assert 0 < len(expected) < len(poses)
@@ -167,9 +167,9 @@ def test_the_candidates_are_those_of_the_whole_grid_that_are_allowed(changes):
 def test_where_nothing_is_left_the_message_says_what_stands_in_the_way():
     far_box = replace(OPTIONS, box=((900.0, 900.0, 900.0), (950.0, 950.0, 950.0)))
     with pytest.raises(NoCandidateError, match="box, the hemisphere and the forbidden boxes"):
-        CandidateGrid(GAUGES, CHANNEL, CAMERA, far_box, seed=0)
+        CandidateGrid(MEASURANDS, CHANNEL, CAMERA, far_box, seed=0)
     with pytest.raises(NoCandidateError, match="nearer than the standoff; allow larger distances"):
-        CandidateGrid(GAUGES, CHANNEL, CAMERA, replace(OPTIONS, standoff_mm=2000.0), seed=0)
+        CandidateGrid(MEASURANDS, CHANNEL, CAMERA, replace(OPTIONS, standoff_mm=2000.0), seed=0)
 
 
 @pytest.mark.parametrize(

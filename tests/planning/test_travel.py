@@ -32,7 +32,7 @@ def test_no_order_is_shorter(places):
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.integers(13, 20))
-def test_many_settings_on_a_circle_are_visited_around_it(seed, n):
+def test_many_viewpoints_on_a_circle_are_visited_around_it(seed, n):
     """On a convex curve the shortest tour is the curve's own order; beyond 12 it is said not to be proven."""
     angle = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, n))
     circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 400
@@ -56,7 +56,7 @@ def test_a_shorter_tour_measures_as_much_and_as_surely(level, seed):
     assert after <= before + 1e-9
 
 
-def test_of_two_equal_settings_the_nearer_is_taken():
+def test_of_two_equal_viewpoints_the_nearer_is_taken():
     level = np.array([[9000, 0], [0, 9000], [0, 9500], [0, 8000]], dtype=np.uint16)
     places = np.array([[0.0, 0, 0], [900.0, 0, 0], [100.0, 0, 0], [10.0, 0, 0]])
     assert least_travel(level, places, (0, 1)) == (0, 2), "nearer, and as sure; the nearest is not sure enough"

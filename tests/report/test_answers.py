@@ -12,7 +12,7 @@ from viewgauge.planning.improve.catalogue import SensorFormat
 from viewgauge.planning.improve.improvement import (
     CameraChoice,
     Change,
-    DimensionChanges,
+    CharacteristicChanges,
     Improvement,
     Specification,
     TradeOff,
@@ -30,22 +30,22 @@ def change(factor, today=1.0, **more):
 def improvement(name="E1"):
     met = {
         "pixel": change(1.48779, 0.1),
-        "head": change(1024.0, unlimited=True),
+        "pose_error": change(1024.0, unlimited=True),
         "distance": change(1.5, 400.0, interval=(191.23456, 593.56789)),
         "focal_length": change(0.7, 16.0, interval=(10.71234, None)),
     }
-    unmet = {
+    not_met = {
         "pixel": change(0.5, 0.1),
-        "head": change(None),
+        "pose_error": change(None),
         "distance": Change(None, None, None, False, None, True),
         "focal_length": Change(2.0, 32.0, (None, 32.0), False, None, True),
     }
-    part = {"pixel": change(0.5, 0.1, limited_by=("E2",)), "head": change(None, limited_by=("E2",))}
-    part |= {name: unmet[name] for name in ("distance", "focal_length")}
+    part = {"pixel": change(0.5, 0.1, limited_by=("E2",)), "pose_error": change(None, limited_by=("E2",))}
+    part |= {name: not_met[name] for name in ("distance", "focal_length")}
     trades = (TradeOff(0.05, 1.2, 0.12, 0.024, True), TradeOff(0.1, None, None, None, True))
-    today = {"pixel": 0.1, "head": 1.0, "distance": 400.0, "focal_length": 16.0}
-    dimensions = (DimensionChanges(name, True, 0.97, met), DimensionChanges("E2", False, 0.51, unmet))
-    return Improvement(today, dimensions, part, trades, ("E3",), (), 12000)
+    today = {"pixel": 0.1, "pose_error": 1.0, "distance": 400.0, "focal_length": 16.0}
+    characteristics = (CharacteristicChanges(name, True, 0.97, met), CharacteristicChanges("E2", False, 0.51, not_met))
+    return Improvement(today, characteristics, part, trades, ("E3",), (), 12000)
 
 
 def specification():
@@ -83,7 +83,7 @@ def test_the_picture_holds_the_trade_off_and_today():
 
 
 def test_without_a_trade_off_there_is_no_picture():
-    bare = Improvement({"head": 1.0}, (), {}, (), (), (), 1)
+    bare = Improvement({"pose_error": 1.0}, (), {}, (), (), (), 1)
     page = Page(render_improvement(bare, REQUIREMENT, title="block", inputs={}))
     assert json.loads(page.scripts[0]) is None
     assert "Pixels against head" not in page.text

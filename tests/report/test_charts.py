@@ -11,20 +11,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viewgauge as vg
-from viewgauge.evaluation import GaugeLaws
+from viewgauge.evaluation import MeasurandLaws
 from viewgauge.evaluation.error_budget import error_budget
 from viewgauge.planning.candidates.direction_map import DirectionMap
 from viewgauge.report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart, table_chart
 from viewgauge.report.palette import DARK, LIGHT, SOURCE_COLOURS, probability_colour, probability_scale
 
 CAMERA = vg.Camera(16.0, (0.00345, 0.00345), (2448, 2048), 1.0)
-HEAD = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4, pivot_mm=(0, 0, -16))
+POSE_ERROR = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4, pivot_mm=(0, 0, -16))
 POINTS = np.array([[-20.0, 3.0, 400.0], [25.0, -8.0, 415.0]])
 
 
 @pytest.fixture(scope="module")
 def laws():
-    return GaugeLaws.of_look(POINTS, CAMERA, HEAD)
+    return MeasurandLaws.of_acquisition(POINTS, CAMERA, POSE_ERROR)
 
 
 def test_the_laws_are_those_of_the_segment(laws):
@@ -32,7 +32,7 @@ def test_the_laws_are_those_of_the_segment(laws):
     length = np.linalg.norm(POINTS[1] - POINTS[0])
     for error in (0.01, 0.03, 0.08):
         joint, independent = (
-            float(vg.success_probability(*POINTS, CAMERA, HEAD, error / length, method))
+            float(vg.success_probability(*POINTS, CAMERA, POSE_ERROR, error / length, method))
             for method in ("joint", "independent")
         )
         assert float(laws.probability(error)) == pytest.approx(joint, abs=1e-12)
@@ -41,11 +41,14 @@ def test_the_laws_are_those_of_the_segment(laws):
     assert laws.standard_uncertainty_mm**2 == pytest.approx(float(variance), rel=1e-12)
 
 
-def test_the_mean_of_one_look_is_that_look():
-    head = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4, pivot_mm=(0, 0, -16))
-    head = vg.PoseError(head.covariance, pivot_mm=(0, 0, -16), common_covariance=np.zeros((6, 6)))
-    one, mean = GaugeLaws.of_look(POINTS, CAMERA, head), GaugeLaws.of_mean(POINTS[None], CAMERA, head)
-    four = GaugeLaws.of_mean(np.repeat(POINTS[None], 4, axis=0), CAMERA, head)
+def test_the_mean_of_one_acquisition_is_that_acquisition():
+    pose_error = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4, pivot_mm=(0, 0, -16))
+    pose_error = vg.PoseError(pose_error.covariance, pivot_mm=(0, 0, -16), common_covariance=np.zeros((6, 6)))
+    one, mean = (
+        MeasurandLaws.of_acquisition(POINTS, CAMERA, pose_error),
+        MeasurandLaws.of_mean(POINTS[None], CAMERA, pose_error),
+    )
+    four = MeasurandLaws.of_mean(np.repeat(POINTS[None], 4, axis=0), CAMERA, pose_error)
     for error in (0.01, 0.05):
         assert float(mean.probability(error)) == pytest.approx(float(one.probability(error)), abs=1e-9)
     for part in ("total", "displacement", "camera"):
@@ -65,7 +68,7 @@ def test_densities_have_an_area_of_one(laws):
 
 def test_a_law_without_an_error_is_left_out():
     still = vg.PoseError(np.zeros((6, 6)))
-    chart = laws_chart("E1", GaugeLaws.of_look(POINTS, CAMERA, still), 0.05)
+    chart = laws_chart("E1", MeasurandLaws.of_acquisition(POINTS, CAMERA, still), 0.05)
     assert "pose of the head" not in {curve["name"] for curve in chart["data"]}
 
 
@@ -78,7 +81,7 @@ def test_the_accuracy_chart_marks_what_is_reached(laws):
 
 
 def test_shares_of_the_budget_add_to_all():
-    budget = error_budget(*POINTS, CAMERA, HEAD, 0.001)
+    budget = error_budget(*POINTS, CAMERA, POSE_ERROR, 0.001)
     chart = budget_chart({"a": budget, "b": budget}, ["b", "a"])
     assert chart["data"][0]["y"] == ["b", "a"]
     assert sum(bar["x"][0] for bar in chart["data"]) == pytest.approx(100, abs=0.01)
@@ -111,7 +114,7 @@ def test_the_disc_of_directions_keeps_areas():
         assert (radius < r).mean() == pytest.approx(r**2 / 4, abs=2e-3)
 
 
-def test_directions_that_are_not_seen_are_told_apart():
+def test_directions_that_are_not_seen_are_reported_apart():
     chart = directions_chart(
         direction_map([[0, 0, 1], [1, 0, 0]], [0.97, 0.0], ["", "facing_away"]), 0.9, {"S1": [0.0, 3.0, 0.0]}
     )
@@ -136,7 +139,7 @@ def test_charts_are_json_and_have_the_inks_of_their_surroundings(laws, dark):
     charts = [
         laws_chart("E1", laws, 0.05, dark=dark),
         accuracy_chart("E1", laws, 0.05, 0.95, dark=dark),
-        budget_chart({"E1": error_budget(*POINTS, CAMERA, HEAD, 0.001)}, dark=dark),
+        budget_chart({"E1": error_budget(*POINTS, CAMERA, POSE_ERROR, 0.001)}, dark=dark),
     ]
     for chart in charts:
         assert json.dumps(chart, allow_nan=False)
@@ -162,7 +165,7 @@ def test_the_surer_of_those_met_is_darker(one, other, required):
 
 
 @given(st.floats(0.5, 0.9999))
-def test_the_scale_of_the_maps_has_the_colours_of_the_gauges(required):
+def test_the_scale_of_the_maps_has_the_colours_of_the_measurands(required):
     stops = probability_scale(required)
     assert [stops[0][0], stops[-1][0]] == [0.0, 1.0]
     assert all(a[0] <= b[0] for a, b in pairwise(stops))

@@ -7,15 +7,17 @@ import plotly.graph_objects as go
 import pytest
 
 import viewgauge as vg
-from viewgauge.evaluation import GaugeLaws, as_dataset
-from viewgauge.part import Dimension, Gauge
-from viewgauge.planning.compose import Plan, PlannedDimension, PlannedSetting
+from viewgauge.evaluation import MeasurandLaws, as_dataset
+from viewgauge.part import Characteristic, Measurand
+from viewgauge.planning.compose import Plan, PlannedCharacteristic, PlannedViewpoint
 
-GAUGE = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
+MEASURAND = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
 
 
-def dimension(name, status, probability, setting):
-    return PlannedDimension(name, "gauge", 10.0, (-0.1, 0.1), 0.05, status, probability, 0.99, setting, GAUGE)
+def characteristic(name, status, probability, viewpoint):
+    return PlannedCharacteristic(
+        name, "measurand", 10.0, (-0.1, 0.1), 0.05, status, probability, 0.99, viewpoint, MEASURAND
+    )
 
 
 @pytest.fixture
@@ -24,14 +26,14 @@ def plan():
     T[:3, 3] = [0, 0, -200]
     return Plan(
         seed=0,
-        settings=(PlannedSetting("S1", T, ("good",)),),
-        dimensions=(dimension("good", "met", 0.97, "S1"), dimension("<poor>", "unmet", 0.61, None)),
+        viewpoints=(PlannedViewpoint("S1", T, ("good",)),),
+        characteristics=(characteristic("good", "met", 0.97, "S1"), characteristic("<poor>", "not_met", 0.61, None)),
         lower_bound=1,
         candidate_count=12,
     )
 
 
-def test_a_plan_shows_its_gauges_and_cameras(plan):
+def test_a_plan_shows_its_measurands_and_cameras(plan):
     figure = plan.plot()
     assert isinstance(figure, go.Figure)
     named = {trace.name for trace in figure.data}
@@ -42,7 +44,7 @@ def test_a_plan_shows_its_gauges_and_cameras(plan):
 
 def test_a_plan_in_words(plan):
     html = plan._repr_html_()
-    assert "Not met: 1 of 2 dimensions, from 1 setting" in html
+    assert "Not met: 1 of 2 dimensions, from 1 viewpoint" in html
     assert html.index("&lt;poor&gt;") < html.index(">good<")  # what is missing first, and escaped
     assert "0.9700" in html
     assert "<poor>" not in html
@@ -73,20 +75,20 @@ def test_laws_of_arrays_are_drawn_each():
     assert peaks == sorted(peaks, reverse=True)
 
 
-def test_laws_of_a_dimension():
+def test_laws_of_a_characteristic():
     camera = vg.Camera(16.0, (0.00345, 0.00345), (2448, 2048))
-    head = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4)
-    laws = GaugeLaws.of_look([[-20.0, 0, 400.0], [20.0, 0, 400.0]], camera, head)
+    pose_error = vg.PoseError.from_standard_deviations(translation_mm=0.1, rotation_rad=3e-4)
+    laws = MeasurandLaws.of_acquisition([[-20.0, 0, 400.0], [20.0, 0, 400.0]], camera, pose_error)
     assert len(laws.plot(0.05).data) == 4
     assert laws.plot(0.05, 0.95).data[-1].y[0] == pytest.approx(float(laws.probability(0.05)))
     assert "40 mm" in laws._repr_html_()
 
 
 def test_a_table_is_a_map():
-    gauge = Gauge(GAUGE[0], GAUGE[1], np.eye(3)[:1], np.eye(3)[:1])
-    dimensions = [Dimension(name, "gauge", 10.0, None, (gauge,)) for name in ("a", "b")]
+    measurand = Measurand(MEASURAND[0], MEASURAND[1], np.eye(3)[:1], np.eye(3)[:1])
+    characteristics = [Characteristic(name, "measurand", 10.0, None, (measurand,)) for name in ("a", "b")]
     columns = {"probability": np.array([[0.97, 0.0], [0.4, 0.99]]), "reason": np.array([[6, 5], [6, 6]])}
-    table = as_dataset(columns, ["S1", "S2"], dimensions, np.array([0.1, 0.1]), {"required_probability": 0.95})
+    table = as_dataset(columns, ["S1", "S2"], characteristics, np.array([0.1, 0.1]), {"required_probability": 0.95})
     (heat,) = table.viewgauge.plot().data
     assert list(heat.x) == ["a", "b"]
     assert list(heat.y) == ["S1", "S2"]

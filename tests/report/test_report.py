@@ -14,7 +14,7 @@ import trimesh
 
 from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.part import Mesh, Part
-from viewgauge.planning.compose import Plan, PlannedDimension, PlannedSetting
+from viewgauge.planning.compose import Plan, PlannedCharacteristic, PlannedViewpoint
 from viewgauge.report import render_report
 from viewgauge.report.pictures.part_scene import TRIANGLE_LIMIT
 from viewgauge.sensors.camera import Camera
@@ -84,30 +84,32 @@ def pose(centre: tuple[float, float, float]) -> np.ndarray:
     return T
 
 
-def dimension(name: str, status: str, probability: float, setting: str | None, **changes: Any) -> PlannedDimension:
-    gauge = None if status == "not_measurable" else np.array([[-20.0, 0, 10], [20, 0, 10]])
-    planned = PlannedDimension(
+def characteristic(
+    name: str, status: str, probability: float, viewpoint: str | None, **changes: Any
+) -> PlannedCharacteristic:
+    measurand = None if status == "not_measurable" else np.array([[-20.0, 0, 10], [20, 0, 10]])
+    planned = PlannedCharacteristic(
         id=name, kind="distance", nominal_mm=40.0, tolerance_mm=(-0.05, 0.1), allowed_error_mm=0.08, status=status,
-        probability=probability, expected_accuracy=0.99912, setting=setting, gauge=gauge,
+        probability=probability, expected_accuracy=0.99912, viewpoint=viewpoint, measurand=measurand,
         limit="" if status == "met" else f"limit of {name}",
     )  # fmt: skip
     return dataclasses.replace(planned, **changes)
 
 
-def make_plan(first_id: str = "E1", setting_id: str = "S1") -> Plan:
-    dimensions = (
-        dimension(first_id, "met", 0.987654321, setting_id),
-        dimension("E2", "met", 0.99996, "S2", tolerance_mm=None),
-        dimension("E3", "met", 0.9512, "S2"),
-        dimension("E4", "not_measurable", 0.0, None, expected_accuracy=0.0),
-        dimension("E5", "unmet", 0.94999, None),
-        dimension("E6", "unmet", 0.0, None, gauge=None, expected_accuracy=0.0),
+def make_plan(first_id: str = "E1", viewpoint_id: str = "S1") -> Plan:
+    characteristics = (
+        characteristic(first_id, "met", 0.987654321, viewpoint_id),
+        characteristic("E2", "met", 0.99996, "S2", tolerance_mm=None),
+        characteristic("E3", "met", 0.9512, "S2"),
+        characteristic("E4", "not_measurable", 0.0, None, expected_accuracy=0.0),
+        characteristic("E5", "not_met", 0.94999, None),
+        characteristic("E6", "not_met", 0.0, None, measurand=None, expected_accuracy=0.0),
     )
-    settings = (
-        PlannedSetting(setting_id, pose((0, -300, 120)), (first_id,)),
-        PlannedSetting("S2", pose((250, 30, 200)), ("E2", "E3")),
+    viewpoints = (
+        PlannedViewpoint(viewpoint_id, pose((0, -300, 120)), (first_id,)),
+        PlannedViewpoint("S2", pose((250, 30, 200)), ("E2", "E3")),
     )
-    return Plan(seed=7, settings=settings, dimensions=dimensions, lower_bound=1, candidate_count=1600)
+    return Plan(seed=7, viewpoints=viewpoints, characteristics=characteristics, lower_bound=1, candidate_count=1600)
 
 
 def make_part(mesh: trimesh.Trimesh | None = None, notes: tuple[str, ...] = ()) -> Part:
@@ -137,10 +139,10 @@ def test_numbers_are_the_plans(page: Page) -> None:
     assert page.row("E1") == [
         "E1", "distance", "40", "+0.1 / −0.05", "0.08", "met", "0.9876", "0.9991", "S1", "",
     ]  # fmt: skip
-    for planned in make_plan().dimensions:
+    for planned in make_plan().characteristics:
         row, titles = page.row(planned.id), page.titles[page.rows.index(page.row(planned.id))]
         assert planned.limit == row[-1]
-        assert (planned.setting or "–") == row[-2]
+        assert (planned.viewpoint or "–") == row[-2]
         if planned.status != "not_measurable":
             assert float(titles[0]) == planned.probability
 
@@ -150,14 +152,14 @@ def test_close_calls_do_not_read_as_met_or_certain(page: Page) -> None:
     assert page.row("E5")[6] == "0.9499"  # 0.94999, where 0.95 is required
 
 
-def test_missing_dimensions_come_first_and_then_the_least_sure(page: Page) -> None:
+def test_missing_characteristics_come_first_and_then_the_least_sure(page: Page) -> None:
     names = [row[0] for row in page.rows if row and row[0] in {f"E{k}" for k in range(1, 7)}]
     assert names == ["E6", "E5", "E4", "E3", "E1", "E2"]
 
 
-def test_summary_tells_outcome_settings_bound_and_weakest(page: Page) -> None:
+def test_summary_reports_outcome_viewpoints_bound_and_weakest(page: Page) -> None:
     for words in (
-        "✗ Not met: 2 of 6 dimensions, not measurable: 1",
+        "✗ Not met: 2 of 6 characteristics, not measurable: 1",
         "missing: E4, E5, E6",
         "3 of 6",
         "at least 1 needed; gap 50%",
@@ -170,28 +172,30 @@ def test_summary_tells_outcome_settings_bound_and_weakest(page: Page) -> None:
 
 def test_all_met_and_proven_is_said() -> None:
     plan = make_plan()
-    met = dataclasses.replace(plan, dimensions=plan.dimensions[:3], lower_bound=2)
+    met = dataclasses.replace(plan, characteristics=plan.characteristics[:3], lower_bound=2)
     text = Page(report(met)).text
     assert "✓ All 3 dimensions are met" in text
     assert "proven the fewest among the candidates" in text
 
 
-def test_nothing_met_needs_no_setting() -> None:
+def test_nothing_met_needs_no_viewpoint() -> None:
     plan = make_plan()
-    text = Page(report(dataclasses.replace(plan, dimensions=plan.dimensions[3:], settings=(), lower_bound=0))).text
+    text = Page(
+        report(dataclasses.replace(plan, characteristics=plan.characteristics[3:], viewpoints=(), lower_bound=0))
+    ).text
     assert "0 of 3" in text
     assert "proven" not in text
     assert "none met" in text
-    assert "no candidate meets any dimension" in text
+    assert "no candidate meets any characteristic" in text
 
 
-def test_every_setting_is_in_the_table_and_in_the_picture(page: Page) -> None:
+def test_every_viewpoint_is_in_the_table_and_in_the_picture(page: Page) -> None:
     plan = make_plan()
-    for setting in plan.settings:
-        (row,) = [row for row in page.rows if row and row[0] == setting.id]
-        assert row[1] == ", ".join(f"{value:.1f}" for value in setting.T_part_camera[:3, 3]).replace("-", "−")
-        assert row[-1] == ", ".join(setting.observes)
-        assert [trace["mode"] for trace in page.scene["cameras"] if trace["name"] == setting.id] == [
+    for viewpoint in plan.viewpoints:
+        (row,) = [row for row in page.rows if row and row[0] == viewpoint.id]
+        assert row[1] == ", ".join(f"{value:.1f}" for value in viewpoint.T_part_camera[:3, 3]).replace("-", "−")
+        assert row[-1] == ", ".join(viewpoint.observes)
+        assert [trace["mode"] for trace in page.scene["cameras"] if trace["name"] == viewpoint.id] == [
             "lines",
             "markers+text",
         ]
@@ -199,14 +203,14 @@ def test_every_setting_is_in_the_table_and_in_the_picture(page: Page) -> None:
 
 def test_working_distance_is_the_depth_of_what_is_measured(page: Page) -> None:
     (row,) = [row for row in page.rows if row and row[0] == "S1"]
-    T = make_plan().settings[0].T_part_camera
-    depth = (np.linalg.inv(T) @ [0, 0, 10, 1])[2]  # the middle of the gauge
+    T = make_plan().viewpoints[0].T_part_camera
+    depth = (np.linalg.inv(T) @ [0, 0, 10, 1])[2]  # the middle of the measurand
     assert float(row[3]) == pytest.approx(depth, abs=0.5)  # printed in whole mm
 
 
 def test_frustum_is_the_field_of_view(page: Page) -> None:
     frustum = next(trace for trace in page.scene["cameras"] if trace["mode"] == "lines")
-    T = make_plan().settings[0].T_part_camera
+    T = make_plan().viewpoints[0].T_part_camera
     corners = points(frustum)
     in_camera = (corners - T[:3, 3]) @ T[:3, :3]
     base = in_camera[in_camera[:, 2] > 1]
@@ -215,11 +219,11 @@ def test_frustum_is_the_field_of_view(page: Page) -> None:
     assert pixels == pytest.approx(np.array([[-0.5, -0.5], [-0.5, 2047.5], [2447.5, -0.5], [2447.5, 2047.5]]), abs=0.11)
 
 
-def test_gauges_are_drawn_with_their_setting_and_the_unmet_apart(page: Page) -> None:
+def test_measurands_are_drawn_with_their_viewpoint_and_the_not_met_apart(page: Page) -> None:
     drawn = {trace["name"]: trace for trace in page.scene["part"] if "hovertext" in trace}
     assert set(drawn) == {"S1", "S2", "✗ not met"}
     assert drawn["✗ not met"]["line"] == {"color": "#D00000", "width": 14}
-    assert points(drawn["S1"])[[0, 2]] == pytest.approx(make_plan().dimensions[0].gauge)
+    assert points(drawn["S1"])[[0, 2]] == pytest.approx(make_plan().characteristics[0].measurand)
     assert drawn["S1"]["hovertext"][0] == "<b>E1</b><br>nominal 40 mm<br>probability 0.9876<br>S1"
     assert page.scene["layout"]["scene"]["aspectmode"] == "data"
 

@@ -16,9 +16,9 @@ from test_report import Page
 
 import viewgauge as vg
 from viewgauge.evaluation.error_budget import GROUPS
-from viewgauge.jobs.budgets import error_budgets, figures_of_gauges
+from viewgauge.jobs.budgets import capability_of_characteristics, error_budgets
 from viewgauge.jobs.improvement.improve import settled_improvement
-from viewgauge.jobs.laws import gauge_laws
+from viewgauge.jobs.laws import measurand_laws
 from viewgauge.jobs.write_report import plan_details, plan_report
 from viewgauge.report import render_report
 
@@ -29,11 +29,11 @@ STEP = 1e-4
 
 @pytest.fixture(scope="module")
 def inspection():
-    """Four dimensions of the block, one of which no setting meets."""
+    """Four characteristics of the block, one of which no viewpoint meets."""
     inspection = vg.load(BLOCK)
     part = replace(
         inspection.part,
-        dimensions=tuple(d for d in inspection.part.dimensions if d.id in ("E1", "E5", "E9", "E14/1")),
+        characteristics=tuple(d for d in inspection.part.characteristics if d.id in ("E1", "E5", "E9", "E14/1")),
     )
     options = replace(inspection.candidates, directions=60)
     return replace(
@@ -70,53 +70,57 @@ def rows_of(page: Page, columns: int, name: str) -> list[str]:
     return row
 
 
-def test_some_dimension_is_met_and_some_is_not(plan):
-    assert {dimension.status for dimension in plan.dimensions} == {"met", "unmet"}
+def test_some_characteristic_is_met_and_some_is_not(plan):
+    assert {characteristic.status for characteristic in plan.characteristics} == {"met", "not_met"}
 
 
-def test_table_of_dimensions(page, plan):
-    for dimension in plan.dimensions:
-        row = rows_of(page, 10, dimension.id)
-        assert row[1] == dimension.kind
-        assert number(row[2]) == pytest.approx(dimension.nominal_mm, abs=5e-5)
-        assert number(row[4]) == pytest.approx(dimension.allowed_error_mm, abs=5e-5)
-        assert row[5] == {"met": "met", "unmet": "not met"}[dimension.status]
-        assert is_floor_of(row[6], dimension.probability)
-        assert is_floor_of(row[7], dimension.expected_accuracy)
-        assert row[8] == (dimension.setting or "–")
+def test_table_of_characteristics(page, plan):
+    for characteristic in plan.characteristics:
+        row = rows_of(page, 10, characteristic.id)
+        assert row[1] == characteristic.kind
+        assert number(row[2]) == pytest.approx(characteristic.nominal_mm, abs=5e-5)
+        assert number(row[4]) == pytest.approx(characteristic.allowed_error_mm, abs=5e-5)
+        assert row[5] == {"met": "met", "not_met": "not met"}[characteristic.status]
+        assert is_floor_of(row[6], characteristic.probability)
+        assert is_floor_of(row[7], characteristic.expected_accuracy)
+        assert row[8] == (characteristic.viewpoint or "–")
 
 
-def test_table_of_settings(page, plan):
-    for setting in plan.settings:
-        row = rows_of(page, 7, setting.id)
+def test_table_of_viewpoints(page, plan):
+    for viewpoint in plan.viewpoints:
+        row = rows_of(page, 7, viewpoint.id)
         position = [number(part) for part in row[1].split(", ")]
-        assert position == pytest.approx(setting.T_part_camera[:3, 3], abs=0.051)
-        assert [number(part) for part in row[2].split(", ")] == pytest.approx(setting.T_part_camera[:3, 2], abs=5.1e-4)
-        assert row[5:] == [str(len(setting.observes)), ", ".join(setting.observes)]
+        assert position == pytest.approx(viewpoint.T_part_camera[:3, 3], abs=0.051)
+        assert [number(part) for part in row[2].split(", ")] == pytest.approx(
+            viewpoint.T_part_camera[:3, 2], abs=5.1e-4
+        )
+        assert row[5:] == [str(len(viewpoint.observes)), ", ".join(viewpoint.observes)]
 
 
 def test_laws(page, plan, inspection):
-    laws = gauge_laws(inspection, plan)
-    assert set(laws) == {dimension.id for dimension in plan.dimensions}
-    for dimension in plan.dimensions:
-        law = laws[dimension.id]
+    laws = measurand_laws(inspection, plan)
+    assert set(laws) == {characteristic.id for characteristic in plan.characteristics}
+    for characteristic in plan.characteristics:
+        law = laws[characteristic.id]
         # beside the table: the laws' own probability is the plan's
-        assert float(law.probability(dimension.allowed_error_mm)) == pytest.approx(dimension.probability, abs=1e-9)
+        assert float(law.probability(characteristic.allowed_error_mm)) == pytest.approx(
+            characteristic.probability, abs=1e-9
+        )
         uncertainty = f"u {law.standard_uncertainty_mm:.4f}".rstrip("0")
         joint, of_1998 = re.search(
-            re.escape(f"{dimension.id}{uncertainty} mm")
+            re.escape(f"{characteristic.id}{uncertainty} mm")
             + r"allowed \S+ mmprobability (.*?)by the model of 1998 ([\d.]+)",
             page.text,
         ).groups()
-        assert is_floor_of(joint, dimension.probability)
-        assert is_floor_of(of_1998, float(law.independent_probability(dimension.allowed_error_mm)))
+        assert is_floor_of(joint, characteristic.probability)
+        assert is_floor_of(of_1998, float(law.independent_probability(characteristic.allowed_error_mm)))
 
 
 def test_charts_of_the_laws(page, plan, inspection):
-    laws, charts = gauge_laws(inspection, plan), page.scene["laws"]
-    ranked = sorted(plan.dimensions, key=lambda d: (d.status == "met", d.probability))
-    for k, dimension in enumerate(ranked):
-        law, (densities, accuracy) = laws[dimension.id], charts[f"law-{k}"]
+    laws, charts = measurand_laws(inspection, plan), page.scene["laws"]
+    ranked = sorted(plan.characteristics, key=lambda d: (d.status == "met", d.probability))
+    for k, characteristic in enumerate(ranked):
+        law, (densities, accuracy) = laws[characteristic.id], charts[f"law-{k}"]
         (total,) = [curve for curve in densities["data"] if curve["name"] == "together"]
         micrometres = total["x0"] + total["dx"] * np.arange(len(total["y"]))
         assert total["y"] == pytest.approx(law.total.pdf(micrometres / 1000) / 1000, rel=1e-3, abs=1e-12)
@@ -139,8 +143,8 @@ def test_error_budget(page, plan, inspection):
     assert GROUPS.keys() >= {"camera", "translation", "rotation"}
 
 
-def test_figures_of_the_gauge(page, plan, inspection):
-    figures = figures_of_gauges(inspection, plan)
+def test_figures_of_the_measurand(page, plan, inspection):
+    figures = capability_of_characteristics(inspection, plan)
     for name, figure in figures.items():
         (row,) = [row for row in page.rows if len(row) == 6 and row[0] == name and "≤" not in row[2]]
         assert number(row[1]) == pytest.approx(figure.expanded_uncertainty_mm, abs=5.1e-5)
@@ -151,13 +155,13 @@ def test_figures_of_the_gauge(page, plan, inspection):
 def test_what_to_improve(page, plan, inspection):
     improvement = settled_improvement(inspection, plan)
     knobs = list(improvement.today)
-    assert knobs == ["pixel", "translation", "rotation", "head"]
-    for dimension in improvement.dimensions:
-        candidates = [row for row in page.rows if len(row) == 6 and row[0] == dimension.id]
+    assert knobs == ["pixel", "translation", "rotation", "pose_error"]
+    for characteristic in improvement.characteristics:
+        candidates = [row for row in page.rows if len(row) == 6 and row[0] == characteristic.id]
         (row,) = [row for row in candidates if "≤" in "".join(row) or "(" in "".join(row)]
-        assert is_floor_of(row[1], dimension.probability)
+        assert is_floor_of(row[1], characteristic.probability)
         for cell, knob in zip(row[2:], knobs, strict=True):
-            change = dimension.changes[knob]
+            change = characteristic.changes[knob]
             if change.value is None:
                 assert is_floor_of(cell, change.best_probability)
             else:
@@ -165,30 +169,30 @@ def test_what_to_improve(page, plan, inspection):
 
 
 def test_summary(page, plan):
-    met = [dimension for dimension in plan.dimensions if dimension.status == "met"]
-    weakest = min(met, key=lambda dimension: dimension.probability)
-    assert f"{len(met)} of {len(plan.dimensions)}" in page.text
+    met = [characteristic for characteristic in plan.characteristics if characteristic.status == "met"]
+    weakest = min(met, key=lambda characteristic: characteristic.probability)
+    assert f"{len(met)} of {len(plan.characteristics)}" in page.text
     assert f"{weakest.id}probability {int(weakest.probability * 1e4) / 1e4:.4f}" in page.text
     assert f"{plan.candidate_count:,}" in page.text
     assert str(plan.seed) in page.row("Seed")
 
 
-def test_views_show_the_part_and_where_the_gauges_are(page, plan, inspection):
+def test_views_show_the_part_and_where_the_measurands_are(page, plan, inspection):
     """The picture is light where the part is, and the drawn ends are where the camera images the two points."""
     pictures = [attributes for tag, attributes in page.elements if tag == "image"]
     assert len(pictures) == plan.count
     lines = [attributes for tag, attributes in page.elements if tag == "line"]
     drawn = [[float(line[key]) for key in ("x1", "y1", "x2", "y2")] for line in lines]
-    for setting, picture in zip(plan.settings, pictures, strict=True):
+    for viewpoint, picture in zip(plan.viewpoints, pictures, strict=True):
         grey = np.asarray(Image.open(BytesIO(base64.b64decode(picture["href"].split(",")[1]))))
         shape = np.array(inspection.camera.resolution[::-1]) / 2448 * 480
         assert grey.shape == pytest.approx(shape, abs=1)
         assert (grey > 80).mean() > 0.02
-        T = np.linalg.inv(setting.T_part_camera)
-        for dimension in plan.dimensions:
-            if dimension.setting != setting.id:
+        T = np.linalg.inv(viewpoint.T_part_camera)
+        for characteristic in plan.characteristics:
+            if characteristic.viewpoint != viewpoint.id:
                 continue
-            at_camera = dimension.gauge @ T[:3, :3].T + T[:3, 3]
+            at_camera = characteristic.measurand @ T[:3, :3].T + T[:3, 3]
             # a pinhole by hand, so that the drawing is judged by other formulas
             pixels = at_camera[:, :2] / at_camera[:, 2:] * 16 / 0.00345 + [1223.5, 1023.5]
             assert min(np.abs(np.array(line) - pixels.ravel()).max() for line in drawn) < 0.06
@@ -205,10 +209,10 @@ def test_data_of_the_pictures_is_valid_json_without_nan(page):
 
 
 def test_a_report_that_would_be_too_large_shows_less_and_says_so(plan, inspection):
-    """Pictures that hardly compress, as of many intricate settings."""
+    """Pictures that hardly compress, as of many intricate viewpoints."""
     noise = np.random.default_rng(3).integers(0, 256, 450_000, dtype=np.uint8).tobytes()
     shown = plan_details(plan, inspection)
-    many = tuple(replace(shown.views[0], setting=f"S{k}", png=noise) for k in range(12))
+    many = tuple(replace(shown.views[0], viewpoint=f"S{k}", png=noise) for k in range(12))
     text = render_report(
         plan,
         inspection.part,
@@ -220,7 +224,7 @@ def test_a_report_that_would_be_too_large_shows_less_and_says_so(plan, inspectio
     )
     assert len(text.encode()) <= 9_900_000
     page = Page(text)
-    told = re.search(r"The first (\d+) of 12 settings are here", page.text)
+    reported = re.search(r"The first (\d+) of 12 viewpoints are here", page.text)
     pictures = [attributes for tag, attributes in page.elements if tag == "image"]
-    assert len(pictures) == int(told[1])
+    assert len(pictures) == int(reported[1])
     assert 0 < len(pictures) < 12

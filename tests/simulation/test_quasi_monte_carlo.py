@@ -20,7 +20,7 @@ NO_ERROR = vg.PoseError(np.zeros((6, 6)))
 START, END = (-30.0, 10.0, 480.0), (25.0, 35.0, 510.0)
 
 
-def test_reference_probabilities_of_the_exact_camera_are_met():
+def test_reference_probabilities_of_the_full_camera_are_met():
     # Source: p_joint_exact, by other code. 40 rows to 1e-3 with 99.9 %, each within its half-width and 4.5 standard
     # errors of the reference: false alarm 1e-3 each at most, 4 % in all; seed fixed.
     if not REFERENCE.exists():
@@ -63,7 +63,7 @@ def test_the_stated_precision_is_met_and_costs_draws(precision):
     assert 4096 <= result.draws[0] <= 100 / precision**1.5
 
 
-def test_a_limit_of_draws_is_kept_and_the_attained_width_told():
+def test_a_limit_of_draws_is_kept_and_the_attained_width_reported():
     result = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0012, precision=1e-6, max_draws=10_000)
     assert result.draws[0] == 8192, "the largest power of two for each scramble"
     assert 1e-3 < result.half_width[0] < 1e-2
@@ -119,14 +119,15 @@ def test_quantization_alone_follows_its_law():
 
 
 def test_pose_error_of_one_direction_alone():
-    # along the optical axis: L' = L Z / (Z + dz), right for dz in Z (1/(1 + T) - 1, 1/(1 - T) - 1); a single dimension
+    # along the optical axis: L' = L Z / (Z + dz), right for dz in Z (1/(1 + T) - 1, 1/(1 - T) - 1); a single
+    # characteristic
     error = vg.PoseError.from_standard_deviations([0.0, 0.0, 10.0], 0.0)
     T = 0.02
     result = estimate_success_probabilities([(-50, 0, 500)], [(50, 0, 500)], IDEAL, error, T, precision=2e-4)
     low, high = (500 * (1 / (1 + s * T) - 1) / 10 for s in (1, -1))
     truth = stats.norm.cdf(high) - stats.norm.cdf(low)
     assert result.low[0] <= truth <= result.high[0]
-    assert result.draws[0] <= 2**16, "one dimension is easy"
+    assert result.draws[0] <= 2**16, "one characteristic is easy"
 
 
 def test_draws_behind_the_camera_fail():

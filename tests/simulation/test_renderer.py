@@ -1,4 +1,6 @@
-"""Rendered images against areas of polygons and plain geometry; poses of looks against the errors that were drawn."""
+"""Rendered images against areas of polygons and plain geometry; poses of acquisitions against the errors that were
+drawn.
+"""
 
 from __future__ import annotations
 
@@ -128,7 +130,7 @@ def test_noise_blur_and_bits(bits):
     assert np.sqrt(slope @ (np.arange(399) - centre) ** 2 / slope.sum()) == pytest.approx(3.0, rel=0.02)
 
 
-def test_bad_numbers_are_told():
+def test_bad_numbers_are_reported():
     for change in ({"blur_px": -1.0}, {"noise": float("nan")}, {"bits": 10}):
         with pytest.raises(InputError, match=next(iter(change))):
             ImageSensor(**change)
@@ -137,30 +139,32 @@ def test_bad_numbers_are_told():
     assert FIBONACCI[3] == 34
 
 
-def test_looks_are_displaced_by_the_head_s_errors():
-    """A segment's image length in the looks follows the law drawn apart from them: Kolmogorov and Smirnov, 1e-3."""
+def test_acquisitions_are_displaced_by_the_pose_error_s_errors():
+    """A segment's image length in the acquisitions follows the law drawn apart from them: Kolmogorov and Smirnov,
+    1e-3.
+    """
     error = PoseError.from_standard_deviations((0.2, 0.1, 0.4), (1e-3, 2e-3, 5e-4), pivot_mm=(10, -20, -60))
-    setting = look_at(np.array([[90.0, -60, 220]]), np.zeros((1, 3)), np.array([0.3]))[0]
-    poses = displaced_poses(setting, error, 3000, np.random.default_rng(4))
-    assert errors_of_poses(setting @ error.T_camera_head, poses @ error.T_camera_head).std(axis=0) == pytest.approx(
+    viewpoint = look_at(np.array([[90.0, -60, 220]]), np.zeros((1, 3)), np.array([0.3]))[0]
+    poses = displaced_poses(viewpoint, error, 3000, np.random.default_rng(4))
+    assert errors_of_poses(viewpoint @ error.T_camera_frame, poses @ error.T_camera_frame).std(axis=0) == pytest.approx(
         np.sqrt(error.covariance.diagonal()), rel=0.06
     )
     ends = np.array([[-30.0, 5, 4], [25, -12, 0]])
     seen = CAMERA.project(transform(invert(poses)[:, None], ends))
     length = np.linalg.norm(seen[:, 1] - seen[:, 0], axis=1)
-    nominal = np.linalg.norm(np.diff(CAMERA.project(transform(invert(setting), ends)), axis=0))
+    nominal = np.linalg.norm(np.diff(CAMERA.project(transform(invert(viewpoint), ends)), axis=0))
     twist = np.random.default_rng(9).standard_normal((100_000, 6)) @ error.factor.T
-    expected = exact_length_errors(transform(invert(setting), ends), CAMERA, error, twist, np.zeros((100_000, 2)))
+    expected = exact_length_errors(transform(invert(viewpoint), ends), CAMERA, error, twist, np.zeros((100_000, 2)))
     assert kstest(length - nominal, expected).pvalue > 1e-3
 
 
-def test_what_looks_share_is_drawn_once():
+def test_what_acquisitions_share_is_drawn_once():
     common = np.diag([0.5, 0.5, 0.5, 1e-3, 1e-3, 1e-3]) ** 2
     own = common / 100
     error = PoseError(common + own, common_covariance=common)
-    setting = above()
+    viewpoint = above()
     errors = errors_of_poses(
-        np.broadcast_to(setting, (200, 4, 4)), displaced_poses(setting, error, 200, np.random.default_rng(2))
+        np.broadcast_to(viewpoint, (200, 4, 4)), displaced_poses(viewpoint, error, 200, np.random.default_rng(2))
     )
     assert errors.std(axis=0) == pytest.approx(np.sqrt(own.diagonal()), rel=0.25)
     assert np.abs(errors.mean(axis=0)).max() > 3 * errors.std(axis=0)[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewgauge.geometry import Lens, invert, look_at, transform, view_block
-from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, Culling, ObservationLimits
 
@@ -19,15 +19,15 @@ LENSES = {
 
 
 @pytest.mark.parametrize("lens", LENSES.values(), ids=LENSES)
-def test_a_gauge_is_out_of_view_where_a_pixel_of_its_ends_is(lens):
+def test_a_measurand_is_out_of_view_where_a_pixel_of_its_ends_is(lens):
     camera, limits = replace(PINHOLE, lens=lens), ObservationLimits(margin_px=20, minimum_length_px=0)
     rng = np.random.default_rng(1)
     count, poses = 400, np.array([look_at(rng.normal(0, 1, 3) * 150, rng.normal(0, 30, 3)) for _ in range(60)])
     points = rng.normal(0, 60, (count, 2, 3))
     normals = rng.normal(0, 1, (count, 2, 6, 3))
     normals = np.concatenate([normals, -normals], axis=2)  # some face is always turned to the camera
-    gauges = GaugeTable(points, normals, np.zeros(count, bool), np.arange(count), np.arange(count))
-    reason = Culling(gauges, camera, limits).reasons(view_block(poses), len(poses))[:, : len(poses)]
+    measurands = MeasurandTable(points, normals, np.zeros(count, bool), np.arange(count), np.arange(count))
+    reason = Culling(measurands, camera, limits).reasons(view_block(poses), len(poses))[:, : len(poses)]
     seen = transform(invert(poses)[:, None], points.reshape(-1, 3)).reshape(len(poses), count, 2, 3)
     front = (seen[..., 2] > 0).all(axis=-1)
     ideal = camera.project(np.where(front[..., None, None], seen, [0.0, 0, 1]))
@@ -38,5 +38,5 @@ def test_a_gauge_is_out_of_view_where_a_pixel_of_its_ends_is(lens):
     out = np.isin(reason.T, REASONS.index("out_of_view"))
     assert (out[front] == ~inside[front]).all()
     assert 0.05 < inside[front].mean() < 0.95
-    pinhole = Culling(gauges, PINHOLE, limits).reasons(view_block(poses), len(poses))[:, : len(poses)]
+    pinhole = Culling(measurands, PINHOLE, limits).reasons(view_block(poses), len(poses))[:, : len(poses)]
     assert (pinhole != reason).any(), "the lens matters"

@@ -12,8 +12,8 @@ from box_solids import BOX, POCKET, SLOTTED, STEPPED, BoxSolid, edge_points
 
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import VIEWS, look_at, view_block
-from viewgauge.part import Dimension, Gauge, Mesh
-from viewgauge.part.measurand_table import GaugeTable
+from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, VISIBLE, ObservationLimits, Occluder, SightLines, observe
 
@@ -25,21 +25,23 @@ MARGIN = Fraction(1, 2000)  # of the cells' size: fifty times the documented cle
 SOLIDS = {"box": BOX, "steps": STEPPED, "slot": SLOTTED, "pocket": POCKET}
 
 
-def gauges(*pairs, observed="ends"):
-    """A table of gauges from (start, end, normals at start, normals at end)."""
-    return GaugeTable.of(
+def measurands(*pairs, observed="ends"):
+    """A table of measurands from (start, end, normals at start, normals at end)."""
+    return MeasurandTable.of(
         [
-            Dimension(str(k), "gauge", 1.0, None, (Gauge(*(np.array(a, dtype=float) for a in pair)),), observed)
+            Characteristic(
+                str(k), "measurand", 1.0, None, (Measurand(*(np.array(a, dtype=float) for a in pair)),), observed
+            )
             for k, pair in enumerate(pairs)
         ]
     )
 
 
 def of_points(solid: BoxSolid, points, scale=1.0, shift=(0.0, 0.0, 0.0)):
-    """Gauges whose two ends are the same point, so that a verdict is about that point alone."""
+    """Measurands whose two ends are the same point, so that a verdict is about that point alone."""
     placed = [np.array(p, dtype=float) * scale + shift for p in points]
     normals = [solid.normals(p) for p in points]
-    return gauges(*((p, p, n, n) for p, n in zip(placed, normals, strict=True)))
+    return measurands(*((p, p, n, n) for p, n in zip(placed, normals, strict=True)))
 
 
 def dyadic_eyes(count: int, rng: np.random.Generator, low: float, high: float) -> list[tuple[Fraction, ...]]:
@@ -70,7 +72,9 @@ def compare(solid: BoxSolid, points, eyes):
     # each point is looked at by a camera of its own: in view always
     reason = np.empty((len(eyes), len(points)), dtype=object)
     for j, point in enumerate(points):
-        one = GaugeTable(table.points[[j]], table.normals[[j]], table.whole[[j]], np.zeros(1, int), np.zeros(1, int))
+        one = MeasurandTable(
+            table.points[[j]], table.normals[[j]], table.whole[[j]], np.zeros(1, int), np.zeros(1, int)
+        )
         seen = observe(poses(eyes, point), one, WIDE, occluder, EVERYTHING)
         reason[:, j] = [REASONS[k] for k in seen[:, 0]]
     verdict = {None: -1, True: 1, False: 0}
@@ -158,12 +162,12 @@ def test_many_pairs_in_threads_equal_one_by_one():
     eyes = rng.uniform(-20, 20, (VIEWS, 3))
     views = view_block(poses(eyes, (0, 0, 0)))
     n = 150_000  # several casts
-    setting, gauge = rng.integers(0, VIEWS, n), rng.integers(0, len(points), n)
+    viewpoint, measurand = rng.integers(0, VIEWS, n), rng.integers(0, len(points), n)
     with ThreadPoolExecutor(4) as pool:
-        together = list(pool.map(lambda _: lines.hidden(views, setting, gauge), range(4)))
+        together = list(pool.map(lambda _: lines.hidden(views, viewpoint, measurand), range(4)))
     assert all((one == together[0]).all() for one in together)
     some = rng.choice(n, 300, replace=False)
-    alone = [lines.hidden(views, setting[[k]], gauge[[k]])[0] for k in some]
+    alone = [lines.hidden(views, viewpoint[[k]], measurand[[k]])[0] for k in some]
     np.testing.assert_array_equal(together[0][some], alone)
     assert 0.1 < together[0].mean() < 0.9
 
@@ -176,7 +180,7 @@ EDGE = ([0, 0, 1], [1, 0, 1], [[0, 0, 1], [0, -1, 0]], [[0, 0, 1], [0, -1, 0], [
 def reason_of(T_part_camera, pair=EDGE, camera=PLAIN, limits=None, mesh=None, observed="ends"):
     occluder = Occluder(BOX.mesh() if mesh is None else mesh)
     limits = limits or ObservationLimits(minimum_length_px=10.0)
-    seen = observe(np.asarray(T_part_camera)[None], gauges(pair, observed=observed), camera, occluder, limits)
+    seen = observe(np.asarray(T_part_camera)[None], measurands(pair, observed=observed), camera, occluder, limits)
     name = REASONS[int(seen[0, 0])]
     assert (seen[0, 0] == VISIBLE) == (name == "")
     return name
@@ -322,7 +326,7 @@ def test_whole_segment_across_a_slot_is_seen_from_above_and_along_an_edge_of_the
 
 
 def test_conditions_are_named_in_their_order():
-    """A gauge that fails several conditions has the name of the first."""
+    """A measurand that fails several conditions has the name of the first."""
     order = ["behind_camera", "out_of_view", "facing_away", "too_short", "out_of_focus", "occluded", ""]
     assert list(REASONS) == order
     below = look_at([0.5, 0.5, -10.0], [0.5, 0.5, 0.5])
@@ -408,7 +412,7 @@ def test_a_rim_is_seen_from_above_though_its_points_are_off_the_mesh(sides, boss
     turns = 2 * np.pi * (np.arange(3 * sides) / (3 * sides) + 0.001)  # between and near the mesh's corners
     rim = np.stack([5 * np.cos(turns), 5 * np.sin(turns), np.full(len(turns), z)], axis=1)
     away = np.stack([np.cos(turns), np.sin(turns), np.zeros(len(turns))], axis=1) * (1 if boss else -1)
-    table = gauges(*((p, p, [[0, 0, 1], n], [[0, 0, 1], n]) for p, n in zip(rim, away, strict=True)))
+    table = measurands(*((p, p, [[0, 0, 1], n], [[0, 0, 1], n]) for p, n in zip(rim, away, strict=True)))
     around = np.deg2rad(np.arange(0, 360, 15))
     for elevation in (30, 45, 60, 75, 90):
         up = np.deg2rad(elevation)
@@ -423,7 +427,7 @@ def test_the_far_rim_of_a_hole_is_seen_through_it_only_when_the_line_of_sight_pa
     turns = 2 * np.pi * (np.arange(36) / 36 + 0.001)
     lower = np.stack([5 * np.cos(turns), 5 * np.sin(turns), np.zeros(36)], axis=1)
     inward = -np.stack([np.cos(turns), np.sin(turns), np.zeros(36)], axis=1)
-    table = gauges(*((p, p, [[0, 0, -1], n], [[0, 0, -1], n]) for p, n in zip(lower, inward, strict=True)))
+    table = measurands(*((p, p, [[0, 0, -1], n], [[0, 0, -1], n]) for p, n in zip(lower, inward, strict=True)))
     eyes = np.array([[60.0, 0, 110], [200, 0, 110], [0, 0, 110], [0, 90, 110], [20, -30, 200]])
     judged = 0
     seen = observe(poses(eyes, (0, 0, 5)), table, WIDE, Occluder(mesh), EVERYTHING) == VISIBLE
@@ -442,7 +446,7 @@ def test_the_foot_of_a_boss_is_hidden_behind_it_and_seen_before_it():
     turns = 2 * np.pi * (np.arange(36) / 36 + 0.001)
     radial = np.stack([np.cos(turns), np.sin(turns), np.zeros(36)], axis=1)
     foot = 5 * radial + [0, 0, 10]
-    table = gauges(*((p, p, [[0, 0, 1], n], [[0, 0, 1], n]) for p, n in zip(foot, radial, strict=True)))
+    table = measurands(*((p, p, [[0, 0, 1], n], [[0, 0, 1], n]) for p, n in zip(foot, radial, strict=True)))
     seen = observe(look_at([100.0, 0, 80], [0, 0, 10])[None], table, WIDE, Occluder(mesh), EVERYTHING)[0] == VISIBLE
     assert seen[radial[:, 0] > 0.1].all()
     assert not seen[radial[:, 0] < -0.1].any()

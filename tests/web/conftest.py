@@ -47,7 +47,7 @@ def plan(inspection):
 
 
 @pytest.fixture(scope="session")
-def bench(project, inspection, plan):
+def workbench(project, inspection, plan):
     """Served on this machine, at any free port."""
     pytest.importorskip("viser")
     from viewgauge.web import open_workbench

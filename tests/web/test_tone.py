@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("viser")
 
-from viewgauge.report.palette import SETTING_COLOURS, UNMET_COLOUR, probability_colour
+from viewgauge.report.palette import NOT_MET_COLOUR, VIEWPOINT_COLOURS, probability_colour
 from viewgauge.web.scene import rgb
 from viewgauge.web.tone import before_tone_curve
 
@@ -51,7 +51,7 @@ def test_the_curve_is_the_pages():
 
 
 @pytest.mark.parametrize("of_vertices", [False, True])
-@pytest.mark.parametrize("colour", [*COLOURS, *SETTING_COLOURS, UNMET_COLOUR, "#2b3540", "#8a94a0"])
+@pytest.mark.parametrize("colour", [*COLOURS, *VIEWPOINT_COLOURS, NOT_MET_COLOUR, "#2b3540", "#8a94a0"])
 def test_colours_come_out_as_they_are_meant(colour, of_vertices):
     """Within the gamut of the curve; saturated ones, whose least channel it cannot make so small, a little off."""
     meant = np.array(rgb(colour), dtype=float)

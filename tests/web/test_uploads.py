@@ -62,8 +62,8 @@ def test_a_link_in_its_place_is_not_followed(tmp_path):
     outside.write_text("mine")
     folder = tmp_path / "folder"
     folder.mkdir()
-    (folder / "settings.csv").symlink_to(outside)
-    stored(folder, "settings.csv", b"theirs", OTHER_SUFFIXES)
+    (folder / "viewpoints.csv").symlink_to(outside)
+    stored(folder, "viewpoints.csv", b"theirs", OTHER_SUFFIXES)
     assert outside.read_text() == "mine"
 
 
@@ -84,12 +84,12 @@ def naming(folder, key, name):
     text = (folder / "inspection.yaml").read_text(encoding="utf-8")
     replaced = {
         "part.file": text.replace("file: slotted_block.step", f"file: {name}"),
-        "head.covariance": text.replace("translation: 0.1 mm", f"covariance: {name}").replace(
+        "pose_uncertainty.covariance": text.replace("translation: 0.1 mm", f"covariance: {name}").replace(
             "  rotation: 0.02 deg\n", ""
         ),
-        "candidates.settings": text.replace("directions: 200", f"settings: {name}"),
+        "candidates.viewpoints": text.replace("directions: 200", f"viewpoints: {name}"),
         "camera.calibration": text.replace("focal_length: 16 mm", f"calibration: {name}"),
-        "head.common.covariance": text.replace(
+        "pose_uncertainty.common.covariance": text.replace(
             "  rotation: 0.02 deg", f"  rotation: 0.02 deg\n  common:\n    covariance: {name}"
         ),
     }[key]
@@ -99,11 +99,18 @@ def naming(folder, key, name):
 
 def test_an_inspection_with_its_part_is_read_in_a_child(sent):
     inspection = Job(load_uploaded, sent / "inspection.yaml").result()
-    assert len(inspection.part.dimensions) == 15
+    assert len(inspection.part.characteristics) == 15
 
 
 @pytest.mark.parametrize(
-    "key", ["part.file", "head.covariance", "candidates.settings", "camera.calibration", "head.common.covariance"]
+    "key",
+    [
+        "part.file",
+        "pose_uncertainty.covariance",
+        "candidates.viewpoints",
+        "camera.calibration",
+        "pose_uncertainty.common.covariance",
+    ],
 )
 @pytest.mark.parametrize("how", ["above", "absolute", "link"])
 def test_no_key_reads_a_file_outside_its_folder(sent, key, how):
@@ -117,7 +124,7 @@ def test_no_key_reads_a_file_outside_its_folder(sent, key, how):
     assert "a secret" not in str(caught.value)
 
 
-def test_a_broken_inspection_is_told_by_the_child(sent):
+def test_a_broken_inspection_is_reported_by_the_child(sent):
     (sent / "inspection.yaml").write_text("camera: [", encoding="utf-8")
     with pytest.raises(InputError, match="not valid YAML"):
         Job(load_uploaded, sent / "inspection.yaml").result()

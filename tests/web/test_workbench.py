@@ -32,7 +32,7 @@ WAIT_MS = 30_000
 class Visit:
     """A page, and what it said and asked for."""
 
-    def __init__(self, browser, bench, **context):
+    def __init__(self, browser, workbench, **context):
         # the picture between the panels is narrow: it is drawn without a GPU
         self.context = browser.new_context(viewport={"width": 1180, "height": 800}, accept_downloads=True, **context)
         self.page = self.context.new_page()
@@ -42,7 +42,7 @@ class Visit:
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.sockets.append(socket.url))
-        self.page.goto(bench.address)
+        self.page.goto(workbench.address)
         expect(self.verdict).to_be_visible(timeout=WAIT_MS)
         self.close_notifications()  # such as that the browser has no GPU
 
@@ -59,22 +59,24 @@ class Visit:
 
     @property
     def verdict(self):
-        return self.page.locator(".verdict")
+        return self.page.edge_detector(".verdict")
 
     def tab(self, name):
         self.page.get_by_role("tab", name=name, exact=True).click()
 
     def rows(self):
-        """Of the table of dimensions: id, probability, from."""
-        found = self.page.locator("table tbody tr").all()
-        cells = [[cell.inner_text() for cell in row.locator("th,td").all()] for row in found]
+        """Of the table of characteristics: id, probability, from."""
+        found = self.page.edge_detector("table tbody tr").all()
+        cells = [[cell.inner_text() for cell in row.edge_detector("th,td").all()] for row in found]
         return {row[0].removeprefix("✗ ").strip(): (row[2], row[3]) for row in cells if len(row) == 4}
 
     def expect_rows(self, answers):
         """The table comes to show these answers."""
-        for answer in answers.dimensions:
-            cells = self.page.locator("tr", has=self.page.get_by_role("rowheader", name=row_name(answer), exact=True))
-            expect(cells.first).to_contain_text(floor4(answer.probability) if answer.setting else "–")
+        for answer in answers.characteristics:
+            cells = self.page.edge_detector(
+                "tr", has=self.page.get_by_role("rowheader", name=row_name(answer), exact=True)
+            )
+            expect(cells.first).to_contain_text(floor4(answer.probability) if answer.viewpoint else "–")
         assert_rows(self.rows(), answers)
 
     def turn(self, label, value):
@@ -88,9 +90,9 @@ class Visit:
         self.page.get_by_role("option", name=name, exact=True).click()
 
     def open(self, folder):
-        head = self.page.get_by_role("button", name=folder, exact=True)
-        if head.get_attribute("aria-expanded") != "true":
-            head.press("Enter")
+        pose_error = self.page.get_by_role("button", name=folder, exact=True)
+        if pose_error.get_attribute("aria-expanded") != "true":
+            pose_error.press("Enter")
             self.page.wait_for_timeout(1000)  # it unfolds: a click meanwhile would miss
 
     def download(self, button):
@@ -110,9 +112,9 @@ class Visit:
 
 
 @pytest.fixture(scope="module")
-def regular(browser, bench):
+def regular(browser, workbench):
     """One visit for all tests that leave the page as they found it: loading it takes seconds."""
-    visit = Visit(browser, bench)
+    visit = Visit(browser, workbench)
     yield visit
     visit.close()
 
@@ -122,22 +124,22 @@ def visit(regular):
     """The regular visit with all knobs as the inspection has them."""
     regular.close_notifications()
     regular.page.get_by_role("button", name="As the inspection has it").click()
-    regular.tab("Dimensions")
+    regular.tab("Characteristics")
     yield regular
     regular.assert_clean()
 
 
 @pytest.fixture
-def first_visit(browser, bench):
+def first_visit(browser, workbench):
     """For tests that plan, or load another inspection."""
-    visit = Visit(browser, bench)
+    visit = Visit(browser, workbench)
     yield visit
     visit.assert_clean()
     visit.close()
 
 
 def row_name(answer):
-    return ("" if answer.met else "✗ ") + answer.dimension.id
+    return ("" if answer.met else "✗ ") + answer.characteristic.id
 
 
 def floor4(probability):
@@ -145,13 +147,13 @@ def floor4(probability):
 
 
 def assert_rows(rows, answers):
-    assert set(rows) == {answer.dimension.id for answer in answers.dimensions}
-    for answer in answers.dimensions:
-        shown, origin = rows[answer.dimension.id]
-        if answer.setting is None:
+    assert set(rows) == {answer.characteristic.id for answer in answers.characteristics}
+    for answer in answers.characteristics:
+        shown, origin = rows[answer.characteristic.id]
+        if answer.viewpoint is None:
             assert shown == "–"
         else:
-            assert (shown, origin) == (floor4(answer.probability), answer.setting)
+            assert (shown, origin) == (floor4(answer.probability), answer.viewpoint)
 
 
 def answers_of(inspection, plan, **knobs):
@@ -161,43 +163,47 @@ def answers_of(inspection, plan, **knobs):
 
 def test_the_page_shows_the_plan(visit, inspection, plan):
     answers = answers_of(inspection, plan)
-    total = len(answers.dimensions)
-    said = f"All {total} dimensions are met" if answers.met == total else f"{total - answers.met} of {total} dimensions"
+    total = len(answers.characteristics)
+    said = (
+        f"All {total} characteristics are met"
+        if answers.met == total
+        else f"{total - answers.met} of {total} characteristics"
+    )
     expect(visit.verdict).to_contain_text(said)
     visit.expect_rows(answers)
     expect(visit.page.get_by_role("img", name=re.compile("Colours from 0"))).to_be_visible()
-    assert visit.page.locator("canvas").count() >= 1
+    assert visit.page.edge_detector("canvas").count() >= 1
 
 
-def test_a_chosen_dimension_shows_its_laws_by_both_models(visit, inspection, plan):
-    visit.tab("Dimension")
-    name = inspection.part.dimensions[4].id
-    visit.choose("Dimension", name)
-    facts = visit.page.locator(".vg table", has_text="joint model")
-    (answer,) = [a for a in answers_of(inspection, plan).dimensions if a.dimension.id == name]
-    expect(facts).to_contain_text(answer.setting)
-    row = visit.page.locator("tr", has_text="Probability, joint model")
+def test_a_chosen_characteristic_shows_its_laws_by_both_models(visit, inspection, plan):
+    visit.tab("Characteristic")
+    name = inspection.part.characteristics[4].id
+    visit.choose("Characteristic", name)
+    facts = visit.page.edge_detector(".vg table", has_text="joint model")
+    (answer,) = [a for a in answers_of(inspection, plan).characteristics if a.characteristic.id == name]
+    expect(facts).to_contain_text(answer.viewpoint)
+    row = visit.page.edge_detector("tr", has_text="Probability, joint model")
     expect(row).to_contain_text(floor4(answer.probability))
-    laws = vg.gauge_laws(inspection, plan)[name]
+    laws = vg.measurand_laws(inspection, plan)[name]
     independent = float(laws.independent_probability(answer.allowed_error_mm))
-    expect(visit.page.locator("tr", has_text="model of 1998")).to_contain_text(floor4(independent))
+    expect(visit.page.edge_detector("tr", has_text="model of 1998")).to_contain_text(floor4(independent))
     for heading in (f"Error of {name}", f"How surely {name}", f"uncertainty of {name}", f"{name} from all directions"):
-        expect(visit.page.locator(".gtitle", has_text=heading)).to_be_attached()
+        expect(visit.page.edge_detector(".gtitle", has_text=heading)).to_be_attached()
 
 
-def test_a_chosen_setting_shows_its_view_and_what_it_does_not_see(visit, inspection, plan):
-    visit.tab("Setting")
-    name = plan.settings[-1].id
+def test_a_chosen_viewpoint_shows_its_view_and_what_it_does_not_see(visit, inspection, plan):
+    visit.tab("Viewpoint")
+    name = plan.viewpoints[-1].id
     if plan.count > 1:
-        visit.choose("Setting", name)
-    table = vg.evaluate(inspection, np.array([s.T_part_camera for s in plan.settings]))
+        visit.choose("Viewpoint", name)
+    table = vg.evaluate(inspection, np.array([s.T_part_camera for s in plan.viewpoints]))
     visible = table.visible.values[-1]
     view = visit.page.get_by_role("img", name=re.compile(f"Simulated view of {name}"))
-    expect(view).to_have_attribute("aria-label", re.compile(f"{visible.sum()} dimensions visible"))
-    assert view.locator("line").count() == 2 * visible.sum()
-    told = visit.page.locator("table", has_text="Not visible from here")
-    for dimension in table.dimension.values[~visible]:
-        expect(told).to_contain_text(str(dimension))
+    expect(view).to_have_attribute("aria-label", re.compile(f"{visible.sum()} characteristics visible"))
+    assert view.edge_detector("line").count() == 2 * visible.sum()
+    reported = visit.page.edge_detector("table", has_text="Not visible from here")
+    for characteristic in table.characteristic.values[~visible]:
+        expect(reported).to_contain_text(str(characteristic))
 
 
 def test_a_turned_knob_changes_the_numbers_and_back(visit, inspection, plan):
@@ -205,7 +211,9 @@ def test_a_turned_knob_changes_the_numbers_and_back(visit, inspection, plan):
     after = answers_of(inspection, plan, translation_mm=0.3)
     assert after.met < before.met
     visit.turn("translation", 0.3)
-    expect(visit.verdict).to_contain_text(f"{len(after.dimensions) - after.met} of {len(after.dimensions)} dimensions")
+    expect(visit.verdict).to_contain_text(
+        f"{len(after.characteristics) - after.met} of {len(after.characteristics)} characteristics"
+    )
     visit.expect_rows(after)
     visit.page.get_by_role("button", name="As the inspection has it").click()
     visit.expect_rows(before)
@@ -218,7 +226,7 @@ def test_a_slider_is_turned_by_the_keyboard(visit, inspection, plan):
     slider.focus()
     for _ in range(12):
         visit.page.keyboard.press("ArrowRight")
-    expect(visit.page.locator(".card", has_text="Weakest")).not_to_contain_text(weakest)
+    expect(visit.page.edge_detector(".card", has_text="Weakest")).not_to_contain_text(weakest)
 
 
 def test_planning_again_can_be_ended_and_then_done(first_visit, inspection):
@@ -236,22 +244,22 @@ def test_planning_again_can_be_ended_and_then_done(first_visit, inspection):
     expect(cancel).to_be_hidden(timeout=4 * WAIT_MS)
     what_if = WhatIf(inspection, None)
     again = vg.plan(what_if.turned(replace(what_if.today, **knobs)))
-    expect(visit.page.locator(".card", has_text="Settings")).to_contain_text(str(again.count))
+    expect(visit.page.edge_detector(".card", has_text="Viewpoints")).to_contain_text(str(again.count))
     visit.expect_rows(answers_of(inspection, again, **knobs))
 
 
 def test_files_that_are_saved_are_the_apis(visit, inspection, plan, tmp_path):
     visit.open("Files")
-    name, content = visit.download("Save the settings (CSV)")
-    assert name == "settings.csv"
+    name, content = visit.download("Save the viewpoints (CSV)")
+    assert name == "viewpoints.csv"
     (tmp_path / name).write_bytes(content)
     table = vg.evaluate(inspection, tmp_path / name)
-    assert list(table.setting.values) == [setting.id for setting in plan.settings]
+    assert list(table.viewpoint.values) == [viewpoint.id for viewpoint in plan.viewpoints]
 
     name, content = visit.download("Save the plan (ZIP)")
     vg.write_plan(plan, inspection, tmp_path / "plan")
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        assert archive.namelist() == ["assignments.csv", "plan.json", "report.html", "settings.csv"]
+        assert archive.namelist() == ["assignments.csv", "plan.json", "report.html", "viewpoints.csv"]
         for file in archive.namelist():
             assert archive.read(file) == (tmp_path / "plan" / file).read_bytes()
 
@@ -274,7 +282,7 @@ def test_an_inspection_is_loaded_and_planned(first_visit, project, tmp_path):
     chooser.value.set_files(tmp_path / "mine.yaml")
     expect(visit.page.get_by_text("mine.yaml is loaded")).to_be_visible(timeout=2 * WAIT_MS)
     visit.page.get_by_role("button", name="Plan again").click()
-    expect(visit.verdict).to_contain_text("All 15 dimensions are met", timeout=4 * WAIT_MS)
+    expect(visit.verdict).to_contain_text("All 15 characteristics are met", timeout=4 * WAIT_MS)
     expect(visit.page.get_by_text("accuracy of at least 0.997")).to_be_visible()
 
 
@@ -282,7 +290,7 @@ def test_files_that_cannot_be_used_are_refused_with_words(visit, tmp_path):
     secret = tmp_path / "secret.yaml"
     secret.write_text("covariance: hidden words\n")
     visit.open("Files")
-    for name, content, told in (
+    for name, content, reported in (
         ("evil.yaml", f"part:\n  file: {secret}\ncamera: {{}}\n", "outside the project's folder"),
         ("broken.yaml", "camera: [", "not valid YAML"),
         ("page.html", "<script>alert(1)</script>", "this kind of file is not taken"),
@@ -291,46 +299,46 @@ def test_files_that_cannot_be_used_are_refused_with_words(visit, tmp_path):
         with visit.page.expect_file_chooser() as chooser:
             visit.page.get_by_role("button", name="Load an inspection file").click()
         chooser.value.set_files(tmp_path / name)
-        expect(visit.page.get_by_role("alert").filter(has_text=told).first).to_be_visible(timeout=2 * WAIT_MS)
+        expect(visit.page.get_by_role("alert").filter(has_text=reported).first).to_be_visible(timeout=2 * WAIT_MS)
     shown = visit.page.content()
     assert "hidden words" not in shown
     assert "viewgauge-visitor" not in shown  # nor where the files of visitors lie
 
 
-def test_visitors_do_not_see_each_other(browser, bench, visit, inspection, plan):
-    other = Visit(browser, bench)
+def test_visitors_do_not_see_each_other(browser, workbench, visit, inspection, plan):
+    other = Visit(browser, workbench)
     try:
         visit.turn("translation", 0.35)
         mine = answers_of(inspection, plan, translation_mm=0.35)
         visit.expect_rows(mine)
-        other.tab("Setting")
-        other.tab("Dimensions")
+        other.tab("Viewpoint")
+        other.tab("Characteristics")
         other.expect_rows(answers_of(inspection, plan))
     finally:
         other.close()
 
 
-def test_a_dragged_camera_takes_everything_with_it(visit, bench, inspection, plan):
+def test_a_dragged_camera_takes_everything_with_it(visit, workbench, inspection, plan):
     """The handle in the picture is moved as viser moves it when it is dragged with the mouse."""
     visit.open("Show")
-    visit.page.get_by_label("Drag the chosen setting").check()
-    (visitor,) = bench._visitors.values()
+    visit.page.get_by_label("Drag the chosen viewpoint").check()
+    (visitor,) = workbench._visitors.values()
     for _ in range(100):
         if visitor._held is not None:
             break
         visit.page.wait_for_timeout(50)
     name = visitor._held
-    planned = {setting.id: setting.T_part_camera for setting in plan.settings}[name]
+    planned = {viewpoint.id: viewpoint.T_part_camera for viewpoint in plan.viewpoints}[name]
     pose = planned.copy()
     pose[:3, 3] += [14.0, 11.0, -16.0]
     what_if = WhatIf(inspection, plan)
     moved, still = what_if.answers(what_if.today, {name: pose}), what_if.answers(what_if.today)
-    assert [a.probability for a in moved.dimensions] != [a.probability for a in still.dimensions]
+    assert [a.probability for a in moved.characteristics] != [a.probability for a in still.characteristics]
     visitor._moved(name, SimpleNamespace(**pose_parts(pose)))
     visit.expect_rows(moved)
     visit.page.get_by_role("button", name="As the inspection has it").click()
     visit.expect_rows(still)
-    visit.page.get_by_label("Drag the chosen setting").uncheck()
+    visit.page.get_by_label("Drag the chosen viewpoint").uncheck()
 
 
 def pose_parts(pose):
@@ -351,15 +359,15 @@ def test_a_file_that_is_too_large_is_not_taken(visit, tmp_path):
 def test_the_dark_page_is_dark(visit):
     visit.open("Show")
     visit.page.get_by_label("Dark page").check()
-    visit.tab("Dimension")
-    chart = visit.page.locator(".js-plotly-plot .main-svg").first
+    visit.tab("Characteristic")
+    chart = visit.page.edge_detector(".js-plotly-plot .main-svg").first
     expect(chart).to_have_css("background-color", "rgb(18, 24, 31)")
     visit.page.get_by_label("Dark page").uncheck()
     expect(chart).to_have_css("background-color", "rgb(255, 255, 255)")
 
 
 def test_every_control_has_a_name(visit):
-    """For a screen reader: by the accessibility tree, not by how it looks."""
+    """For a screen reader: by the accessibility tree, not by how it acquisitions."""
     visit.open("Show")
     visit.open("Files")
     for role in ("button", "checkbox", "tab", "slider", "textbox"):
@@ -383,21 +391,21 @@ def test_the_first_visitor_sees_the_part_while_it_is_planned(browser, project, i
         context = browser.new_context()
         page = context.new_page()
         page.goto(served.address)
-        expect(page.locator("tr", has_text="no setting yet").first.or_(page.locator(".verdict"))).to_be_visible(
-            timeout=WAIT_MS
-        )
-        expect(page.locator(".verdict")).to_be_visible(timeout=4 * WAIT_MS)
+        expect(
+            page.edge_detector("tr", has_text="no viewpoint yet").first.or_(page.edge_detector(".verdict"))
+        ).to_be_visible(timeout=WAIT_MS)
+        expect(page.edge_detector(".verdict")).to_be_visible(timeout=4 * WAIT_MS)
         context.close()
     finally:
         served.close()
 
 
-def test_a_part_without_a_dimension_to_measure_says_so(browser, tmp_path):
+def test_a_part_without_a_characteristic_to_measure_says_so(browser, tmp_path):
     trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export(tmp_path / "box.stl")
     (tmp_path / "inspection.yaml").write_text(
-        "part:\n  file: box.stl\n  dimensions:\n    - {id: width, start: '[0, 0, 40] mm', end: '[80, 0, 40] mm'}\n"
+        "part:\n  file: box.stl\n  characteristics:\n    - {id: width, start: '[0, 0, 40] mm', end: '[80, 0, 40] mm'}\n"
         "camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}\n"
-        "head: {translation: 0.1 mm, rotation: 0.02 deg}\n"
+        "pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}\n"
         "requirement: {fraction_of_tolerance: 10 %, probability: 0.95}\n"
     )
     inspection = vg.load(tmp_path / "inspection.yaml")
@@ -406,7 +414,7 @@ def test_a_part_without_a_dimension_to_measure_says_so(browser, tmp_path):
     try:
         page = context.new_page()
         page.goto(served.address)
-        expect(page.get_by_role("alert").filter(has_text="No dimension").first).to_be_visible(timeout=WAIT_MS)
+        expect(page.get_by_role("alert").filter(has_text="No characteristic").first).to_be_visible(timeout=WAIT_MS)
         expect(page.get_by_text("it has no tolerance")).to_be_visible()
     finally:
         context.close()

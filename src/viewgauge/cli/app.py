@@ -1,6 +1,6 @@
 """The commands and their exit codes.
 
-0: done and every dimension met; 1: done, some dimension not met; 2: bad input, one clear message.
+0: done and every characteristic met; 1: done, some characteristic not met; 2: bad input, one clear message.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _BAD_INPUT = 2
 _INTERRUPTED, _NOBODY_READS = 130, 141  # as shells number the signals SIGINT and SIGPIPE
 
 # as execution/chunks.py and planning/cover/minimum_cover.py have them, which take long to import; a test compares
-_SETTINGS_PER_CHUNK, _TIME_LIMIT_S = 16_384, 60.0
+_VIEWPOINTS_PER_CHUNK, _TIME_LIMIT_S = 16_384, 60.0
 
 
 def _version() -> str:
@@ -48,7 +48,7 @@ def _version() -> str:
 
 app = App(
     name="viewgauge",
-    help="Plan camera poses that measure every toleranced dimension of a part accurately enough.",
+    help="Plan camera poses that measure every toleranced characteristic of a part accurately enough.",
     help_format="plaintext",
     version=_version,
     result_action="return_value",
@@ -66,16 +66,16 @@ def _plan(
     seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
-    chunk: Chunk = _SETTINGS_PER_CHUNK,
+    chunk: Chunk = _VIEWPOINTS_PER_CHUNK,
     refine: bool = True,
     prove: bool = True,
     time_limit: float = _TIME_LIMIT_S,
     gap: float = 0.0,
     json: Json = False,
 ) -> int:
-    """Choose the fewest settings that measure every dimension as required.
+    """Choose the fewest viewpoints that measure every characteristic as required.
 
-    A long job that was stopped goes on where it was when it is started again. Ctrl-C while settings are chosen or
+    A long job that was stopped goes on where it was when it is started again. Ctrl-C while viewpoints are chosen or
     refined ends that step: the plan is the best so far.
 
     Parameters
@@ -83,15 +83,15 @@ def _plan(
     file
         The inspection file (YAML).
     output
-        Folder for plan.json, settings.csv, assignments.csv and report.html.
+        Folder for plan.json, viewpoints.csv, assignments.csv and report.html.
     seed
         In place of the file's own; the same seed gives the same plan.
     refine
-        Improve the settings over all poses that the region allows; --no-refine for the best of the candidates.
+        Improve the viewpoints over all poses that the region allows; --no-refine for the best of the candidates.
     prove
-        Bound the number of settings, and what is not met, over all poses that the region allows.
+        Bound the number of viewpoints, and what is not met, over all poses that the region allows.
     time_limit
-        Seconds for the search for the fewest settings, for that for the surest, and for the refinement, each.
+        Seconds for the search for the fewest viewpoints, for that for the most probable, and for the refinement, each.
     gap
         End the search for the fewest when the lower bound is within this share of their number.
     """
@@ -107,7 +107,7 @@ def _plan(
                 seed=seed,
                 progress=bars,
                 executor=executor,
-                settings_per_chunk=chunk,
+                viewpoints_per_chunk=chunk,
                 journal=output / ".partial",
                 refine=refine,
                 prove=prove,
@@ -129,7 +129,7 @@ def _evaluate(
     file: Path,
     /,
     *,
-    settings: Path | None = None,
+    viewpoints: Path | None = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     method: Literal["joint", "independent", "monte-carlo"] = "joint",
     precision: float = 1e-3,
@@ -138,10 +138,10 @@ def _evaluate(
     part: PartFile = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
-    chunk: Chunk = _SETTINGS_PER_CHUNK,
+    chunk: Chunk = _VIEWPOINTS_PER_CHUNK,
     json: Json = False,
 ) -> int:
-    """Evaluate every dimension from every given setting.
+    """Evaluate every characteristic from every given viewpoint.
 
     A Zarr table that was interrupted goes on where it was when the same command is given again.
 
@@ -149,17 +149,17 @@ def _evaluate(
     ----------
     file
         The inspection file (YAML).
-    settings
-        Settings file (CSV) with id, x, y, z, qw, qx, qy, qz; by default the one that the inspection file names.
+    viewpoints
+        Viewpoints file (CSV) with id, x, y, z, qw, qx, qy, qz; by default the one that the inspection file names.
     output
         The table: .csv, .parquet or .zarr.
     method
-        The error model: joint (both ends of a dimension share the pose error), independent (the 1998 paper's),
-        or monte-carlo (the exact camera).
+        The error model: joint (both ends of a characteristic share the pose error), independent (the 1998 paper's),
+        or monte-carlo (the full camera model).
     precision
         With monte-carlo: half-width of the 99 % confidence interval of each probability.
     sampled
-        Evaluate the candidates that a plan would sample, in place of given settings.
+        Evaluate the candidates that a plan would sample, in place of given viewpoints.
     columns
         Columns to write, separated by commas; by default all.
     """
@@ -175,19 +175,19 @@ def _evaluate(
             evaluation = vg.evaluate_into(
                 inspection,
                 output,
-                settings,
+                viewpoints,
                 sampled=sampled,
                 columns=None if columns is None else [name.strip() for name in columns.split(",")],
                 method=method,
                 precision=precision,
                 progress=bars,
                 executor=executor,
-                settings_per_chunk=chunk,
+                viewpoints_per_chunk=chunk,
             )
-    best, count = evaluation.best_of_each(), evaluation.settings
+    best, count = evaluation.best_of_each(), evaluation.viewpoints
     refused = vg.check(inspection)["not_measurable"]
     if json:
-        print_json({"settings": count, "method": method, "best": best, "not_measurable": refused})
+        print_json({"viewpoints": count, "method": method, "best": best, "not_measurable": refused})
     else:
         print_table_summary(best, refused, count, method)
         if output is not None:

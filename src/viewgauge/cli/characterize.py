@@ -33,14 +33,14 @@ def characterize(
         CSV of poses commanded and measured, of repeated visits, or of errors; YAML of joints and measured poses, or of
         images of a ChArUco board and robot poses.
     output
-        The covariance file (YAML), for head.covariance of an inspection file.
+        The covariance file (YAML), for pose_uncertainty.covariance of an inspection file.
     camera
         The camera that images of a board gave, with its uncertainty, for camera.calibration of an inspection file
         (OpenCV's YAML).
     with_mean
         The systematic part is not calibrated away: count it with the rest.
     """
-    from ..jobs.characterize import characterize, describe_characterization, write_calibration, write_head
+    from ..jobs.characterize import characterize, describe_characterization, write_calibration, write_covariance_of
 
     character = characterize(samples, progress=Bars())
     document = describe_characterization(character)
@@ -49,7 +49,7 @@ def characterize(
             write_calibration(character, camera)
     if output is not None:
         with _folder_of(output):
-            write_head(character, output, with_mean=with_mean)
+            write_covariance_of(character, output, with_mean=with_mean)
     if json:
         print_json(document)
     else:
@@ -100,6 +100,6 @@ def _print_board(board: dict[str, Any]) -> None:
     if board["pivot"]:
         position = ", ".join(f"{value:.3f}" for value in board["pivot"]["position_mm"])
         quaternion = ", ".join(f"{value:.6f}" for value in board["pivot"]["quaternion"])
-        print(f"  head.pivot: {{position: [{position}] mm, quaternion: [{quaternion}]}}")
-    for told in board["left_out"]:
-        print(f"  left out  {told}")
+        print(f"  pose_uncertainty.frame: {{position: [{position}] mm, quaternion: [{quaternion}]}}")
+    for reported in board["left_out"]:
+        print(f"  left out  {reported}")

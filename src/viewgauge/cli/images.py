@@ -25,8 +25,8 @@ def simulate(
     /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
-    settings: Path | None = None,
-    looks: Annotated[int, Parameter(converter=count)] = 1,
+    viewpoints: Path | None = None,
+    repeats: Annotated[int, Parameter(converter=count)] = 1,
     blur: float = 0.6,
     noise: float = 0.01,
     bits: Annotated[int, Parameter(converter=whole_number)] = 8,
@@ -38,7 +38,7 @@ def simulate(
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Make images of the part from settings that the head does not quite reach.
+    """Make images of the part from viewpoints that the head does not quite reach.
 
     A simulation that was stopped goes on when the same command is given again.
 
@@ -47,11 +47,11 @@ def simulate(
     file
         The inspection file (YAML).
     output
-        Folder for the images, looks.csv (where the camera really stood) and simulation.json.
-    settings
-        Settings file (CSV), such as a plan's; by default the one that the inspection file names.
-    looks
-        Images of each setting, each with errors of its own.
+        Folder for the images, acquisitions.csv (where the camera really stood) and simulation.json.
+    viewpoints
+        Viewpoints file (CSV), such as a plan's; by default the one that the inspection file names.
+    repeats
+        Images of each viewpoint, each with errors of its own.
     blur
         Standard deviation of the lens's blur, px.
     noise
@@ -63,7 +63,7 @@ def simulate(
     rays
         Rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
     only
-        Ids of dimensions, with commas between: only what is looked at to measure them is rendered.
+        Ids of characteristics, with commas between: only what is looked at to measure them is rendered.
     chord_error
         How far the mesh may be from curved faces, mm; finer makes holes rounder.
     """
@@ -77,8 +77,8 @@ def simulate(
         images = vg.simulate(
             inspection,
             output,
-            settings,
-            looks=looks,
+            viewpoints,
+            repeats=repeats,
             sensor=sensor,
             rays_per_pixel=rays,
             only=[name.strip() for name in only.split(",")] if only is not None else (),
@@ -88,7 +88,7 @@ def simulate(
     if json:
         print_json({"images": images, "folder": str(output)})
     else:
-        print(f"{images} images written to {output}, with looks.csv and simulation.json")
+        print(f"{images} images written to {output}, with acquisitions.csv and simulation.json")
     return DONE
 
 
@@ -103,9 +103,9 @@ def measure(
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Measure the planned dimensions in images that were taken at the plan's settings.
+    """Measure the planned characteristics in images that were taken at the plan's viewpoints.
 
-    Exit code 0 if every dimension passes, 1 if some fails, is undecided or could not be measured.
+    Exit code 0 if every characteristic passes, 1 if some fails, is undecided or could not be measured.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def measure(
     plan
         Folder of the plan.
     images
-        Folder of the images, SETTING.png or SETTING_NUMBER.png, as the camera gives them.
+        Folder of the images, SETTING.png or VIEWPOINT_NUMBER.png, as the camera gives them.
     output
         Folder for measurements.csv and pictures of what was found.
     edges
-        whole-pixel puts each end to the nearest corner of pixels, as the 1998 paper's locator does.
+        whole-pixel puts each end to the nearest corner of pixels, as the 1998 paper's edge detector does.
     """
     from ..jobs.write import output_folder
 
@@ -140,9 +140,9 @@ def validate(
     file: Path,
     /,
     *,
-    settings: Path | None = None,
+    viewpoints: Path | None = None,
     sample: Annotated[int, Parameter(converter=count)] = 20,
-    looks: Annotated[int, Parameter(converter=count)] = 100,
+    repeats: Annotated[int, Parameter(converter=count)] = 100,
     edges: Literal["sub-pixel", "whole-pixel", "both"] = "sub-pixel",
     blur: float = 0.6,
     noise: float = 0.005,
@@ -163,12 +163,12 @@ def validate(
     ----------
     file
         The inspection file (YAML).
-    settings
-        Settings file (CSV), such as a plan's; by default those that the inspection file names, or candidates.
+    viewpoints
+        Viewpoints file (CSV), such as a plan's; by default those that the inspection file names, or candidates.
     sample
-        Candidates to draw, where no settings are given.
-    looks
-        Of each setting, each with errors of its own.
+        Candidates to draw, where no viewpoints are given.
+    repeats
+        Of each viewpoint, each with errors of its own.
     edges
         How edges are found.
     blur
@@ -182,7 +182,7 @@ def validate(
     chord_error
         How far the mesh may be from curved faces, mm; finer makes holes rounder.
     output
-        CSV of all pairs of settings and dimensions.
+        CSV of all pairs of viewpoints and characteristics.
     """
     from ..jobs.images.validate import describe_validation, write_validation
 
@@ -193,9 +193,9 @@ def validate(
     with vg.open_executor(None, workers) as executor:
         found = vg.validate(
             inspection,
-            settings,
+            viewpoints,
             sample=sample,
-            looks=looks,
+            repeats=repeats,
             sensor=sensor,
             edges=("sub-pixel", "whole-pixel") if edges == "both" else (edges,),
             rays_per_pixel=rays,
@@ -217,45 +217,46 @@ def validate(
 
 
 def _print_validation(document: dict[str, Any]) -> None:
-    looks = document["settings"] * document["looks"]
-    where = "1 setting" if document["settings"] == 1 else f"{document['settings']} settings"
-    print(f"{document['edges']} edges: {looks} looks from {where}, one dimension of each")
-    if not document["dimensions"]:
+    acquisitions = document["viewpoints"] * document["acquisitions"]
+    where = "1 viewpoint" if document["viewpoints"] == 1 else f"{document['viewpoints']} viewpoints"
+    print(f"{document['edges']} edges: {acquisitions} acquisitions from {where}, one characteristic of each")
+    if not document["characteristics"]:
         print("  nothing could be measured, not even in clear images")
-    for level in document["coverage"] if document["dimensions"] else []:
-        share = level["inside"] / level["looks"] if level["looks"] else float("nan")
-        limits = " to ".join(f"{100 * level[name] / max(level['looks'], 1):.1f}" for name in ("low", "high"))
-        told = "" if level["holds"] else "  NOT as predicted"
-        print(f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % if true){told}")
-    if document["dimensions"]:
-        print("  dimension  looks  measured/predicted  inside 68, 95, 99 %")
-    for row in document["dimensions"]:
+    for level in document["coverage"] if document["characteristics"] else []:
+        share = level["inside"] / level["acquisitions"] if level["acquisitions"] else float("nan")
+        limits = " to ".join(f"{100 * level[name] / max(level['acquisitions'], 1):.1f}" for name in ("low", "high"))
+        reported = "" if level["holds"] else "  NOT as predicted"
+        print(f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % if true){reported}")
+    if document["characteristics"]:
+        print("  characteristic  acquisitions  measured/predicted  inside 68, 95, 99 %")
+    for row in document["characteristics"]:
         shares = ", ".join(
-            f"{100 * level['inside'] / max(level['looks'], 1):.1f}{'' if level['holds'] else '*'}"
+            f"{100 * level['inside'] / max(level['acquisitions'], 1):.1f}{'' if level['holds'] else '*'}"
             for level in row["coverage"]
         )
-        print(f"  {row['id']:9}  {row['looks']:5}  {row['rms_ratio']:18.2f}  {shares}")
-    if any(not level["holds"] for row in document["dimensions"] for level in row["coverage"]):
+        print(f"  {row['id']:9}  {row['acquisitions']:5}  {row['rms_ratio']:18.2f}  {shares}")
+    if any(not level["holds"] for row in document["characteristics"] for level in row["coverage"]):
         print("  * not as predicted")
     if document["refused"]:
         print(
-            f"  {len(document['refused'])} pairs of setting and dimension cannot be measured in clear images, such as"
+            f"  {len(document['refused'])} pairs of viewpoint and characteristic cannot be measured in clear "
+            "images, such as"
         )
-        for setting, dimension, reason in document["refused"][:3]:
-            print(f"    {dimension} from {setting}: {reason}")
+        for viewpoint, characteristic, reason in document["refused"][:3]:
+            print(f"    {characteristic} from {viewpoint}: {reason}")
 
 
 def _print_measured(rows: Sequence[Any]) -> None:
-    """Of a few images each dimension, of many how often each verdict."""
+    """Of a few images each characteristic, of many how often each verdict."""
     images = len({row.image for row in rows})
     print(f"{len(rows)} measurements in {'1 image' if images == 1 else f'{images} images'}")
-    for name in dict.fromkeys(row.dimension for row in rows):
-        mine = [row for row in rows if row.dimension == name]
+    for name in dict.fromkeys(row.characteristic for row in rows):
+        mine = [row for row in rows if row.characteristic == name]
         values = [row.measured_mm for row in mine if row.measured_mm is not None]
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(r.verdict for r in mine).items())
-        told = f"{sum(values) / len(values):.4f}" if values else "-"
+        reported = f"{sum(values) / len(values):.4f}" if values else "-"
         largest = max((r.expanded_uncertainty_mm for r in mine if r.expanded_uncertainty_mm is not None), default=None)
         sure = "" if largest is None else f" ± {largest:.4f}"
-        print(f"  {name}: {told}{sure} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
+        print(f"  {name}: {reported}{sure} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
         for reason in dict.fromkeys(row.reason for row in mine if row.reason):
             print(f"    not measured: {reason}")

@@ -31,7 +31,8 @@ def improve(
 ) -> int:
     """Say what to improve: the least change of pixels, head, lens or distance that meets the requirement.
 
-    One thing changes at a time, all else stays as it is; where a dimension is met, the answer is how far it may go.
+    One thing changes at a time, all else stays as it is; where a characteristic is met, the answer is how far it may
+    go.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def specify(
 ) -> int:
     """Say which camera and lens measure the part, and how good the head must be with each.
 
-    Sensor formats and focal lengths are usual ones. The edge locator's step in pixels, the head's covariance up to a
+    Sensor formats and focal lengths are usual ones. The edge detector's step in pixels, the head's covariance up to a
     factor, the requirement, and the distances, if stated, are the file's.
 
     Parameters
@@ -109,14 +110,17 @@ def _print_written(output: Path | None) -> None:
 
 
 def _print_improvement(document: dict[str, Any]) -> None:
-    dimensions, knobs, part = document["dimensions"], document["knobs"], document["part"]
-    met = sum(dimension["met"] for dimension in dimensions)
-    print(f"{met} of {len(dimensions)} dimensions are met today; {document['settings_tried']} settings tried")
-    print("the least change of one thing alone that meets a dimension, or how far it may go where it is met:")
-    rows = [["dimension", "today", *(name.replace("_", " ") for name in knobs)]]
+    characteristics, knobs, part = document["characteristics"], document["knobs"], document["part"]
+    met = sum(characteristic["met"] for characteristic in characteristics)
+    print(
+        f"{met} of {len(characteristics)} characteristics are met today; {document['viewpoints_tried']} "
+        "viewpoints tried"
+    )
+    print("the least change of one thing alone that meets a characteristic, or how far it may go where it is met:")
+    rows = [["characteristic", "today", *(name.replace("_", " ") for name in knobs)]]
     rows.append(["", "", *(knob["unit"] for knob in knobs.values())])
     rows.append(["today", "", *(_number(knob["today"]) for knob in knobs.values())])
-    for d in dimensions:
+    for d in characteristics:
         verdict = f"{'met' if d['met'] else 'not met'} {certainty(d['probability'])}"
         rows.append([d["id"], verdict, *(_answer(d["changes"][name]) for name in knobs)])
     if part["changes"]:
@@ -129,32 +133,34 @@ def _print_improvement(document: dict[str, Any]) -> None:
     for entry in document["not_measurable"]:
         print(f"  not measurable  {entry['id']}: {entry['reason']}")
     if document["trade_off"]:
-        print("pixels against head, for the part: with this step of the edge locator, at most this head")
-        rows = [["pixel", "head", "translation", "rotation"], ["px", "of today", "mm", "deg"]]
+        print("pixels against head, for the part: with this step of the edge detector, at most this head")
+        rows = [["pixel", "pose_error", "translation", "rotation"], ["px", "of today", "mm", "deg"]]
         for trade in document["trade_off"]:
-            head = trade["head_factor"]
-            values = [head, trade["translation_mm"], trade["rotation_deg"]]
-            told = ["none will do", "", ""] if head is None else [_number(value) for value in values]
-            rows.append([_number(trade["pixel_px"]), *told])
+            pose_error = trade["pose_error_factor"]
+            values = [pose_error, trade["translation_mm"], trade["rotation_deg"]]
+            reported = ["none will do", "", ""] if pose_error is None else [_number(value) for value in values]
+            rows.append([_number(trade["pixel_px"]), *reported])
         _print_table(rows)
-    _print_unverified([c for d in dimensions for c in d["changes"].values()] + document["trade_off"])
+    _print_unverified([c for d in characteristics for c in d["changes"].values()] + document["trade_off"])
 
 
 def _print_specification(document: dict[str, Any]) -> None:
-    total = document["dimensions"]
+    total = document["characteristics"]
     print(
         "of each sensor the lens that allows the worst head; and with the head of today what is met, and the coarsest"
     )
-    print("locator with which all is:")
-    rows = [["sensor", "pixel", "lens", "distance", "met", "head", "translation", "rotation", "or locator"]]
+    print("edge detector with which all is:")
+    rows = [["sensor", "pixel", "lens", "distance", "met", "pose_error", "translation", "rotation", "or edge detector"]]
     rows.append(["", "µm", "mm", "mm", "", "of today", "mm", "deg", "px"])
     for choice in document["best"]:
         near, far = choice["distance_mm"]
-        head = [choice[name] for name in ("head_factor", "translation_mm", "rotation_deg")]
-        told = ["none will do", "", ""] if head[0] is None else ["" if v is None else _number(v) for v in head]
+        pose_error = [choice[name] for name in ("pose_error_factor", "translation_mm", "rotation_deg")]
+        reported = (
+            ["none will do", "", ""] if pose_error[0] is None else ["" if v is None else _number(v) for v in pose_error]
+        )
         lens = [f"{1000 * choice['pixel_pitch_mm']:g}", f"{choice['focal_length_mm']:g}", f"{near:.0f} - {far:.0f}"]
-        locator = "none will do" if choice["pixel_px"] is None else _number(choice["pixel_px"])
-        rows.append([choice["sensor"], *lens, f"{choice['met']} of {total}", *told, locator])
+        edge_detector = "none will do" if choice["pixel_px"] is None else _number(choice["pixel_px"])
+        rows.append([choice["sensor"], *lens, f"{choice['met']} of {total}", *reported, edge_detector])
     _print_table(rows)
     smallest = document["smallest"]
     if smallest is None:

@@ -38,5 +38,5 @@ Workers = Annotated[
     Parameter(name="--workers", converter=count, help="Run on this many processes (Dask) of this machine."),
 ]
 Chunk = Annotated[
-    int, Parameter(name="--chunk", converter=count, help="Settings evaluated at once; bounds the memory.")
+    int, Parameter(name="--chunk", converter=count, help="Viewpoints evaluated at once; bounds the memory.")
 ]

@@ -8,7 +8,7 @@ from typing import Any
 
 __all__ = ["certainty", "print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
 
-_STATUSES = ("unmet", "not_measurable", "met")
+_STATUSES = ("not_met", "not_measurable", "met")
 
 
 def print_json(document: Any) -> None:
@@ -28,47 +28,50 @@ def print_error(error: Exception, *, as_json: bool) -> None:
 
 def print_plan(document: dict[str, Any], folder: str) -> None:
     """A plan in a few lines: the count, what is not met and why, and the table of what is."""
-    by_status = {s: [d for d in document["dimensions"] if d["status"] == s] for s in _STATUSES}
-    count, total, tried = document["count"], len(document["dimensions"]), document["candidates"]
+    by_status = {s: [d for d in document["characteristics"] if d["status"] == s] for s in _STATUSES}
+    count, total, tried = document["count"], len(document["characteristics"]), document["candidates"]
     if count:
-        print(f"{_settings(count)} ({_optimality(document)}) for {len(by_status['met'])} of {total} dimensions")
+        print(f"{_viewpoints(count)} ({_optimality(document)}) for {len(by_status['met'])} of {total} characteristics")
     else:
-        print(f"none of {tried} candidates measures any of {total} dimensions as required")
+        print(f"none of {tried} candidates measures any of {total} characteristics as required")
     if document["refinement"]:
         _print_refinement(document["refinement"])
     if document["interrupted"]:
         print("  interrupted: the best so far; run it again for the rest")
     required = document["requirement"]["probability"]
-    for dimension in by_status["unmet"]:
-        best = f"best probability {certainty(dimension['probability'])} of {required:g} required"
-        print(f"  unmet           {dimension['id']}: {best}; {dimension['limit']}")
-        print(f"                  {dimension['proof']}")
-    for dimension in by_status["met"]:
-        if dimension["looks"]:
-            names = ", ".join(look["setting"] for look in dimension["looks"])
-            alone = certainty(dimension["single_probability"])
-            mean = certainty(dimension["probability"])
-            print(f"  averaged        {dimension['id']}: {mean} from {names}; alone {alone}")
-    for dimension in by_status["not_measurable"]:
-        print(f"  not measurable  {dimension['id']}: {dimension['limit']}")
-    for dimension in document["dimensions"]:
-        if dimension["warning"]:
-            told = "confirmed" if dimension["status"] == "met" else "not confirmed"
-            print(f"  warning         {dimension['id']}: {dimension['warning']}; {told} with the exact camera")
+    for characteristic in by_status["not_met"]:
+        best = f"best probability {certainty(characteristic['probability'])} of {required:g} required"
+        print(f"  not met           {characteristic['id']}: {best}; {characteristic['limit']}")
+        print(f"                  {characteristic['proof']}")
+    for characteristic in by_status["met"]:
+        if characteristic["acquisitions"]:
+            names = ", ".join(acquisition["viewpoint"] for acquisition in characteristic["acquisitions"])
+            alone = certainty(characteristic["single_probability"])
+            mean = certainty(characteristic["probability"])
+            print(f"  averaged        {characteristic['id']}: {mean} from {names}; alone {alone}")
+    for characteristic in by_status["not_measurable"]:
+        print(f"  not measurable  {characteristic['id']}: {characteristic['limit']}")
+    for characteristic in document["characteristics"]:
+        if characteristic["warning"]:
+            reported = "confirmed" if characteristic["status"] == "met" else "not confirmed"
+            print(
+                f"  warning         {characteristic['id']}: {characteristic['warning']}; {reported} with the full "
+                "camera model"
+            )
     if by_status["met"]:
         weakest = min(by_status["met"], key=lambda d: float(d["probability"]))
-        print(f"weakest dimension met: {weakest['id']} with probability {certainty(weakest['probability'])}")
-    for setting in document["settings"]:
-        print(f"  {setting['id']} measures {', '.join(setting['observes'])}")
-    print(f"written to {folder}: report.html, plan.json, settings.csv, assignments.csv")
+        print(f"weakest characteristic met: {weakest['id']} with probability {certainty(weakest['probability'])}")
+    for viewpoint in document["viewpoints"]:
+        print(f"  {viewpoint['id']} measures {', '.join(viewpoint['observes'])}")
+    print(f"written to {folder}: report.html, plan.json, viewpoints.csv, assignments.csv")
 
 
-def _settings(count: int) -> str:
-    return "1 setting" if count == 1 else f"{count} settings"
+def _viewpoints(count: int) -> str:
+    return "1 viewpoint" if count == 1 else f"{count} viewpoints"
 
 
 def _optimality(document: dict[str, Any]) -> str:
-    """What is known of the number of settings."""
+    """What is known of the number of viewpoints."""
     tried, anywhere = document["candidates"], document["anywhere"]
     if anywhere is not None and anywhere["proven"]:
         return "proven fewest anywhere in the region"
@@ -82,48 +85,50 @@ def _optimality(document: dict[str, Any]) -> str:
 def _print_refinement(refinement: dict[str, Any]) -> None:
     """Before and after, where it changed something."""
     before, after = refinement["steps"][0], refinement["steps"][-1]
-    told = [f"{_settings(s['count'])}, {s['met']} met, weakest {certainty(s['weakest'])}" for s in (before, after)]
-    if told[0] != told[1]:
-        print(f"  refined         from {told[0]} to {told[1]}")
+    reported = [
+        f"{_viewpoints(s['count'])}, {s['met']} met, weakest {certainty(s['weakest'])}" for s in (before, after)
+    ]
+    if reported[0] != reported[1]:
+        print(f"  refined         from {reported[0]} to {reported[1]}")
     if not refinement["finished"]:
         print("  refined         until stopped; more time (--time-limit) may find better")
 
 
 def print_table_summary(
-    rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], settings: int, method: str
+    rows: dict[str, dict[str, Any]], refused: list[dict[str, Any]], viewpoints: int, method: str
 ) -> None:
-    """For each dimension the best of the evaluated settings, and what cannot be measured at all."""
-    dimensions = "1 dimension" if len(rows) == 1 else f"{len(rows)} dimensions"
-    print(f"{dimensions} from {_settings(settings)}; the best of each:")
+    """For each characteristic the best of the evaluated viewpoints, and what cannot be measured at all."""
+    characteristics = "1 characteristic" if len(rows) == 1 else f"{len(rows)} characteristics"
+    print(f"{characteristics} from {_viewpoints(viewpoints)}; the best of each:")
     for name, row in rows.items():
         verdict = "accepted" if row["accepted"] else "not accepted"
         seen = (
-            f"probability {certainty(row['probability'])} from {row['setting']}"
+            f"probability {certainty(row['probability'])} from {row['viewpoint']}"
             if row["visible"]
             else f"not visible ({row['reason']})"
         )
         print(f"  {name}: {seen}, {verdict}")
         if row["validity"] and method != "monte-carlo":
-            print(f"    warning: {row['validity']}; the exact camera answers with --method monte-carlo")
+            print(f"    warning: {row['validity']}; the full camera model answers with --method monte-carlo")
     for entry in refused:
         print(f"  {entry['id']}: not measurable; {entry['reason']}")
 
 
 def print_check(document: dict[str, Any]) -> None:
-    """What was read: the part, its dimensions, and what cannot be measured."""
-    part, dimensions, refused = document["part"], document["dimensions"], document["not_measurable"]
+    """What was read: the part, its characteristics, and what cannot be measured."""
+    part, characteristics, refused = document["part"], document["characteristics"], document["not_measurable"]
     size = " x ".join(f"{length:.4g}" for length in part["size_mm"])
     print(f"{part['name']}: {size} mm (file in {part['length_unit']}), {part['triangles']} triangles", end="")
     print(f" within {part['chord_error_mm']:.2g} mm of the surface")
     for note in part["notes"]:
         print(f"  note: {note}")
-    print(f"{len(dimensions)} dimensions can be measured:")
-    for d in dimensions:
+    print(f"{len(characteristics)} characteristics can be measured:")
+    for d in characteristics:
         tolerance = "no tolerance" if d["tolerance_mm"] is None else "{:+g} {:+g}".format(*d["tolerance_mm"])
-        gauges = "1 gauge" if d["gauges"] == 1 else f"{d['gauges']} gauges"
+        measurands = "1 measurand" if d["measurands"] == 1 else f"{d['measurands']} measurands"
         print(
             f"  {d['id']}: {d['kind']} {d['nominal_mm']:.6g} mm ({tolerance}), "
-            f"allowed error {d['allowed_error_mm']:.3g} mm, {gauges}"
+            f"allowed error {d['allowed_error_mm']:.3g} mm, {measurands}"
         )
     if refused:
         print(f"{len(refused)} cannot:")

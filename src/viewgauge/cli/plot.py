@@ -22,7 +22,7 @@ def plot(
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     what: Literal["scene", "table", "budget", "laws", "accuracy", "directions"] = "scene",
-    dimension: str | None = None,
+    characteristic: str | None = None,
     dark: Annotated[bool, Parameter(negative="")] = False,
     part: PartFile = None,
 ) -> int:
@@ -37,9 +37,10 @@ def plot(
     output
         The picture: .html.
     what
-        scene (the part, its gauges, the cameras), table (setting x dimension), budget (what the uncertainty comes
-        from); of one dimension laws (of its error), accuracy (how surely which is reached), directions (from where).
-    dimension
+        scene (the part, its measurands, the cameras), table (viewpoint x characteristic), budget (what the uncertainty
+        comes from); of one characteristic laws (of its error), accuracy (how surely which is reached), directions (from
+        where).
+    characteristic
         Its id; the least sure by default.
     dark
         Light on dark.
@@ -51,7 +52,7 @@ def plot(
     made = vg.read_plan(plan)
     require_plan_of(made, inspection)
     with Bars().stage("Drawing"):
-        chart = vg.plan_chart(inspection, made, what, dimension, dark=dark)
+        chart = vg.plan_chart(inspection, made, what, characteristic, dark=dark)
         vg.write_chart(chart, output, f"{inspection.name}: {what}")
     print(f"written to {output}")
     return DONE

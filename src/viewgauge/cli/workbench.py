@@ -66,10 +66,10 @@ def workbench(
     logging.getLogger("websockets").setLevel(logging.CRITICAL)
     # of what was on its way to a page that has been closed
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    bench = open_workbench(file, inspection, made, host=host, port=port)
-    print(f"the workbench is at {bench.address}  (Ctrl-C ends it)", flush=True)
+    workbench = open_workbench(file, inspection, made, host=host, port=port)
+    print(f"the workbench is at {workbench.address}  (Ctrl-C ends it)", flush=True)
     if browser and sys.stdout.isatty():
-        webbrowser.open(bench.address)
+        webbrowser.open(workbench.address)
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends as with Ctrl-C, children too
     try:
@@ -77,5 +77,5 @@ def workbench(
     except KeyboardInterrupt:
         print()
     finally:
-        bench.close()
+        workbench.close()
     return DONE

@@ -1,4 +1,4 @@
-"""Law of the accuracy of a measured dimension (paper, eq. 20)."""
+"""Law of the accuracy of a measured characteristic (paper, eq. 20)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Accuracy"]
 
 
 class Accuracy(Law):
-    """Accuracy = 1 - |eps|/L of a dimension whose image has length L and total error eps (eq. 20).
+    """Accuracy = 1 - |eps|/L of a characteristic whose image has length L and total error eps (eq. 20).
 
     At most 1, and negative where the error exceeds the length itself.
 

@@ -27,8 +27,8 @@ def edge_point_deviation(
 ) -> NDArray[np.float64]:
     """Standard deviation of the place of one edge point, px.
 
-    Without ``smoothing_px`` the Cramér-Rao bound, which the best locator (a fitted profile) reaches: with the profile
-    ``m_i(x) = A integral of Phi((t - x)/s) over pixel i`` and noise sigma the Fisher information of x is
+    Without ``smoothing_px`` the Cramér-Rao bound, which the best edge detector (a fitted profile) reaches: with the
+    profile ``m_i(x) = A integral of Phi((t - x)/s) over pixel i`` and noise sigma the Fisher information of x is
     ``sum_i (dm_i/dx)² / sigma²`` for each of the scan lines (Kakarala and Hero, *IEEE PAMI* 14 (1992) 777-781),
     averaged here over where in its pixel the edge lies. With it that of the steepest place of the profile smoothed by a
     Gaussian of that deviation: ``var = (3 sqrt(pi)/4) s_t⁶ / s_f⁵ (sigma/A)²``, ``s_t² = s² + 1/12 + s_f²`` (Canny,
@@ -43,7 +43,7 @@ def edge_point_deviation(
     samples
         Independent scan lines that make one edge point.
     smoothing_px
-        Of a locator that looks for the steepest place; None for the best one.
+        Of an edge detector that looks for the steepest place; None for the best one.
 
     Raises
     ------

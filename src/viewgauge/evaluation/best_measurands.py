@@ -1,4 +1,4 @@
-"""Which gauge of each dimension a setting measures it by."""
+"""Which measurand of each characteristic a viewpoint measures it by."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from ..geometry import VIEWS
 from ..visibility import OCCLUDED, VISIBLE, SightLines
 
-__all__ = ["best_gauges"]
+__all__ = ["best_measurands"]
 
 
-def best_gauges(
+def best_measurands(
     views: NDArray[np.float64],
     count: int,
     reason: NDArray[np.int8],
@@ -22,46 +22,46 @@ def best_gauges(
     lines: SightLines,
     threshold: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """For each dimension and setting the surest gauge that is not hidden, or the one that fails last.
+    """For each characteristic and viewpoint the most probable measurand that is not hidden, or the one that fails last.
 
-    Rays are cast only where they matter: for the surest gauge first, and for the next one only if that is hidden;
-    for none whose probability is under the threshold. Gauges of equal probability rank by their margin.
+    Rays are cast only where they matter: for the most probable measurand first, and for the next one only if that is
+    hidden; for none whose probability is under the threshold. Measurands of equal probability rank by their margin.
 
     Parameters
     ----------
     views, count
-        The block of settings (:func:`~viewgauge.geometry.view_block`).
+        The block of viewpoints (:func:`~viewgauge.geometry.view_block`).
     reason
         ``(g, 256)`` from the culling; it is completed by what is found to be hidden.
     probability, margin
         ``(g, 256)`` from the kernel.
     first
-        ``(d + 1,)``: first gauge of each dimension, and the number of gauges.
+        ``(d + 1,)``: first measurand of each characteristic, and the number of measurands.
 
     Returns
     -------
-    ``(d, 256)`` index of the gauge, and whether it is visible with at least the threshold. Where it is not the gauge
-    is the one that fails at the latest condition tested.
+    ``(d, 256)`` index of the measurand, and whether it is visible with at least the threshold. Where it is not the
+    measurand is the one that fails at the latest condition tested.
     """
-    dimensions = len(first) - 1
-    best, seen = np.zeros((dimensions, VIEWS), np.int64), np.zeros((dimensions, VIEWS), np.bool_)
-    place = np.empty(dimensions * VIEWS, np.int64)
-    n = _surest_of_all(probability, margin, reason, first, count, threshold, best, place)
+    characteristics = len(first) - 1
+    best, seen = np.zeros((characteristics, VIEWS), np.int64), np.zeros((characteristics, VIEWS), np.bool_)
+    place = np.empty(characteristics * VIEWS, np.int64)
+    n = _best_of_all(probability, margin, reason, first, count, threshold, best, place)
     while n:
         undecided = place[:n]
-        dimension, setting = np.divmod(undecided, VIEWS)
-        gauge = best[dimension, setting]
-        hidden = lines.hidden(views, setting, gauge)
+        characteristic, viewpoint = np.divmod(undecided, VIEWS)
+        measurand = best[characteristic, viewpoint]
+        hidden = lines.hidden(views, viewpoint, measurand)
         seen.reshape(-1)[undecided[~hidden]] = True
-        reason[gauge[hidden], setting[hidden]] = OCCLUDED
+        reason[measurand[hidden], viewpoint[hidden]] = OCCLUDED
         left = undecided[hidden]
-        n = _surest_of(left, probability, margin, reason, first, threshold, best, place)
+        n = _best_of(left, probability, margin, reason, first, threshold, best, place)
     return best, seen
 
 
 @numba.njit(error_model="numpy", forceinline=True)
 def _score(probability, margin, reason, threshold):  # type: ignore[no-untyped-def]
-    """What gauges rank by: the probability; if that is equal to the kernel's accuracy, the margin."""
+    """What measurands rank by: the probability; if that is equal to the kernel's accuracy, the margin."""
     counts = (reason == VISIBLE) & (probability >= threshold)
     return probability + 1e-9 * margin / (1.0 + margin) if counts else -1.0
 
@@ -72,10 +72,12 @@ def _score(probability, margin, reason, threshold):  # type: ignore[no-untyped-d
     nogil=True,
     error_model="numpy",
 )
-def _surest_of_all(probability, margin, reason, first, count, threshold, best, place):  # type: ignore[no-untyped-def]
-    """The surest visible gauge of each dimension, else the one that fails last; lists the places of the former."""
+def _best_of_all(probability, margin, reason, first, count, threshold, best, place):  # type: ignore[no-untyped-def]
+    """The most probable visible measurand of each characteristic, else the one that fails last; lists the places of the
+    former.
+    """
     top, latest = np.empty(VIEWS), np.empty(VIEWS)
-    chosen, last = np.empty(VIEWS), np.empty(VIEWS)  # gauges, as floats: loops over one type are compiled best
+    chosen, last = np.empty(VIEWS), np.empty(VIEWS)  # measurands, as floats: loops over one type are compiled best
     n = 0
     for d in range(len(first) - 1):
         top[:], latest[:] = -1.0, -1.0
@@ -100,7 +102,7 @@ def _surest_of_all(probability, margin, reason, first, count, threshold, best, p
     nogil=True,
     error_model="numpy",
 )
-def _surest_of(left, probability, margin, reason, first, threshold, best, place):  # type: ignore[no-untyped-def]
+def _best_of(left, probability, margin, reason, first, threshold, best, place):  # type: ignore[no-untyped-def]
     """The same for some places only."""
     n = 0
     for k in left:

@@ -2,7 +2,7 @@
 
 An image length is that of the ideal image: a point found in the pixels is put where a pinhole camera would have seen
 it, by the calibration. So with ``D_i`` the derivative of the distortion at end i (identity for a pinhole), n the
-direction of the image of the gauge and ``(alpha_i, beta_i) = n D_i^-1``:
+direction of the image of the measurand and ``(alpha_i, beta_i) = n D_i^-1``:
 
 - a location error of one pixel of end i along u counts ``alpha_i``, along v ``beta_i``. Quantization of the two ends
   differs by the lens only; the half-widths of the triangular errors are those of the two ends' mean square, which keeps
@@ -12,7 +12,7 @@ direction of the image of the gauge and ``(alpha_i, beta_i) = n D_i^-1``:
   pixels along the line of sight;
 - an offset common to all edges moves both ends outwards, and counts twice;
 - an error of the calibration moves what is read from a pixel, ``D_i^-1 d(fx x_d + cx, fy y_d + cy)/d theta``, at both
-  ends and at every look by the same error of theta.
+  ends and at every acquisition by the same error of theta.
 
 In tangents of image directions; the gradients are per px of fx, fy, cx, cy, per unit of each coefficient of the lens
 and per px of the offset, in this order.
@@ -31,7 +31,7 @@ from ..errors import line_end_variance
 from ..errors.edge_location import chord_variance
 from ..geometry import VIEWS, Lens
 from ..geometry.lens import coefficient_derivatives, distorted
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
 
 __all__ = ["CameraErrors", "PairCameraErrors", "camera_errors"]
@@ -49,9 +49,9 @@ class CameraErrors:
     half_widths_mm
         ``(..., 2)``: of the triangular errors of quantization, along u and v.
     own_variance_mm2
-        ``(...)``: of edge location, drawn anew at each look.
+        ``(...)``: of edge location, drawn anew at each acquisition.
     gradient
-        ``(..., q)``: change of the image length per unit of each error that is common to all looks.
+        ``(..., q)``: change of the image length per unit of each error that is common to all acquisitions.
     covariance
         ``(q, q)`` of those errors; q is 0 where there are none.
     """
@@ -63,7 +63,7 @@ class CameraErrors:
 
     @property
     def common_variance_mm2(self) -> NDArray[np.float64]:
-        """``(...)``: of what is common to all looks."""
+        """``(...)``: of what is common to all acquisitions."""
         return np.asarray(np.einsum("...p,pq,...q->...", self.gradient, self.covariance, self.gradient))
 
     @property
@@ -76,16 +76,16 @@ class _Parameters:
     """A camera as compiled code takes it."""
 
     def __init__(self, camera: Camera) -> None:
-        locator = camera.locator
+        edge_detector = camera.edge_detector
         self.lens = (camera.lens or Lens("radial-tangential", (0.0, 0.0, 0.0, 0.0))).parameters
         steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
         point = end = fits = bias = 0.0
-        if locator is not None:
-            point = locator.noise_px**2
+        if edge_detector is not None:
+            point = edge_detector.noise_px**2
             end = point
-            if locator.edge_points is not None:
-                end, fits = point * line_end_variance(locator.edge_points, locator.clear_of_corner_px), 1.0
-            bias = locator.bias_px
+            if edge_detector.edge_points is not None:
+                end, fits = point * line_end_variance(edge_detector.edge_points, edge_detector.clear_of_corner_px), 1.0
+            bias = edge_detector.bias_px
         self.values = np.array([*steps, *camera.pitch_tangents, point, end, fits])
         calibration = (
             np.zeros((0, 0)) if camera.intrinsics_covariance is None else np.array(camera.intrinsics_covariance)
@@ -128,22 +128,22 @@ def camera_errors(
 
 
 class PairCameraErrors:
-    """The same for pairs of a block of settings and a table of gauges, compiled; in tangents."""
+    """The same for pairs of a block of viewpoints and a table of measurands, compiled; in tangents."""
 
-    def __init__(self, gauges: GaugeTable, camera: Camera) -> None:
-        self._points, self._axes = np.ascontiguousarray(gauges.points), np.ascontiguousarray(gauges.rim_axis)
+    def __init__(self, measurands: MeasurandTable, camera: Camera) -> None:
+        self._points, self._axes = np.ascontiguousarray(measurands.points), np.ascontiguousarray(measurands.rim_axis)
         self._parameters = _Parameters(camera)
 
     def of(
-        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+        self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]
     ) -> NDArray[np.float64]:
         """``(3, p)``: the two half-widths, and the variance of all but quantization, of pairs ``(p,)``."""
         parameters = self._parameters
-        out = np.empty((3, len(setting)))
+        out = np.empty((3, len(viewpoint)))
         _pair_terms(
             views,
-            np.ascontiguousarray(setting),
-            np.ascontiguousarray(gauge),
+            np.ascontiguousarray(viewpoint),
+            np.ascontiguousarray(measurand),
             self._points,
             self._axes,
             parameters.values,
@@ -222,11 +222,11 @@ def _segment_terms(points, axes, values, lens, calibrated, out):  # type: ignore
     nogil=True,
     error_model="numpy",
 )
-def _pair_terms(views, setting, gauge, points, axes, values, lens, calibrated, covariance, out):  # type: ignore[no-untyped-def]
+def _pair_terms(views, viewpoint, measurand, points, axes, values, lens, calibrated, covariance, out):  # type: ignore[no-untyped-def]
     work, row, p, axis = np.zeros((4, 12)), np.zeros(_GRADIENT + _MOST), np.empty((2, 3)), np.empty(3)
     common = len(covariance)
-    for k in range(len(setting)):
-        s, g = setting[k], gauge[k]
+    for k in range(len(viewpoint)):
+        s, g = viewpoint[k], measurand[k]
         for i in range(3):
             r0, r1 = views[3 * i * VIEWS + s], views[(3 * i + 1) * VIEWS + s]
             r2, shift = views[(3 * i + 2) * VIEWS + s], views[(9 + i) * VIEWS + s]

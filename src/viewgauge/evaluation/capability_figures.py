@@ -1,4 +1,6 @@
-"""What engineers ask of a gauge, of one dimension measured from one setting: U, P/T, Cg, Cgk, TUR and risks."""
+"""What engineers ask of a measurand, of one characteristic measured from one viewpoint: U, P/T, Cg, Cgk, TUR and
+risks.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,12 @@ from .requirement.capability import CapabilityRequirement
 from .requirement.capability_indices import SHARE, SIGMAS, cg, cgk, coverage, percent_p_to_t
 from .requirement.conformance import COVERAGE_FACTOR, ConformanceRequirement
 
-__all__ = ["GaugeFigures", "gauge_figures", "spread_mm"]
+__all__ = ["CapabilityFigures", "capability_figures", "spread_mm"]
 
 
 @dataclass(frozen=True)
-class GaugeFigures:
-    """Predicted figures of one dimension measured from one setting.
+class CapabilityFigures:
+    """Predicted figures of one characteristic measured from one viewpoint.
 
     Parameters
     ----------
@@ -26,8 +28,8 @@ class GaugeFigures:
     expanded_uncertainty_mm
         U = 2 u, mm.
     percent_p_to_t, cg, cgk
-        Capability of the gauge (:mod:`~viewgauge.evaluation.requirement.capability_indices`); P/T per cent. None where
-        there is no tolerance zone.
+        Capability of the measurement (:mod:`~viewgauge.evaluation.requirement.capability_indices`); P/T per cent. None
+        where there is no tolerance zone.
     test_uncertainty_ratio
         TUR = (USL - LSL) / (2 U), as ANSI/NCSL Z540.3 defines it; None where there is no tolerance zone.
     consumer_risk, producer_risk
@@ -44,12 +46,12 @@ class GaugeFigures:
     producer_risk: float | None = None
 
 
-def gauge_figures(
+def capability_figures(
     u_mm: float,
     tolerance_mm: tuple[float, float] | None,
     requirement: Requirement | None = None,
     half_spread_mm: float | None = None,
-) -> GaugeFigures:
+) -> CapabilityFigures:
     """The figures that follow from the uncertainty of measurement and the tolerance.
 
     Parameters
@@ -68,14 +70,14 @@ def gauge_figures(
     """
     expanded = COVERAGE_FACTOR * u_mm
     if tolerance_mm is None or not tolerance_mm[0] < tolerance_mm[1]:
-        return GaugeFigures(u_mm, expanded)
+        return CapabilityFigures(u_mm, expanded)
     sigmas, share, bias = SIGMAS, SHARE, 0.0
     if isinstance(requirement, CapabilityRequirement):
         sigmas, share, bias = requirement.sigmas, requirement.share, requirement.bias_mm
     sigma = u_mm if half_spread_mm is None else 2 * half_spread_mm / sigmas
     risks = requirement.risks(u_mm, tolerance_mm) if isinstance(requirement, ConformanceRequirement) else None
     lower, upper = tolerance_mm
-    return GaugeFigures(
+    return CapabilityFigures(
         u_mm,
         expanded,
         percent_p_to_t=float(percent_p_to_t(sigma, lower, upper, sigmas)),
@@ -104,9 +106,9 @@ def spread_mm(
     Parameters
     ----------
     sigma_displacement_px, image_length_px, angle_rad
-        As in the table: along the image of the gauge.
+        As in the table: along the image of the measurand.
     length_mm
-        Length of the gauge.
+        Length of the measurand.
     sigmas
         The interval holds as much as that many standard deviations of a normal law, 99.73 % by default.
     sigma_quantization_px

@@ -1,4 +1,6 @@
-"""The error budget of a dimension: how much of its uncertainty each source causes, and what it would be without."""
+"""The error budget of a characteristic: how much of its uncertainty each source causes, and what it would be
+without.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import TotalError
 from ..geometry import PoseError, point_jacobian
 from ..sensors import Camera
-from .averaging import Looks
+from .averaging import Acquisitions
 from .camera_errors import camera_errors
 
 __all__ = ["GROUPS", "SOURCES", "ErrorBudget", "averaged_error_budget", "error_budget"]
 
 SOURCES = ("x", "y", "z", "rx", "ry", "rz", "pixel_u", "pixel_v", "edge_noise", "edge_offset", "calibration")
-"""The six errors of the pose, head frame; quantization of the two ends along either axis of the image; noise and common
-offset of a sub-pixel edge locator; and all errors of the camera's calibration together."""
+"""The six errors of the pose, pose error frame; quantization of the two ends along either axis of the image; noise and
+common offset of a sub-pixel edge detector; and all errors of the camera's calibration together."""
 
 GROUPS = {
     "translation": (0, 1, 2),
@@ -38,7 +40,7 @@ _END_ON_MM = 1e-100
 
 @dataclass(frozen=True)
 class ErrorBudget:
-    """Variance shares of a length measured from one setting, at first order; leading axes ``(...)`` of the segments.
+    """Variance shares of a length measured from one viewpoint, at first order; leading axes ``(...)`` of the segments.
 
     The last axis is that of the s :data:`SOURCES`.
 
@@ -99,8 +101,8 @@ def error_budget(
     """The budget of segments seen by a camera; NaN where an end is not in front of it or the segment is seen end-on.
 
     First order, as the joint model: ``error = sum_i J_i xi_i + cos g q_u + sin g q_v`` with J the Jacobian of the image
-    length with respect to the pose error in the head frame, scaled from the image to the part by nominal length over
-    image length.
+    length with respect to the pose error in the pose error frame, scaled from the image to the part by nominal length
+    over image length.
 
     Parameters
     ----------
@@ -126,7 +128,7 @@ def error_budget(
     covariance = np.zeros((_ALL, _ALL))  # of the pose errors, mm and rad, and of the camera's, px
     covariance[:6, :6] = error.covariance
     covariance[6:, 6:] = np.diag(_camera_uncertainty(camera) ** 2)
-    resolution = 0.0 if camera.locator is not None else camera.edge_resolution_px
+    resolution = 0.0 if camera.edge_detector is not None else camera.edge_resolution_px
     J_pixels = np.sign(direction) * own.half_widths_mm / (resolution or 1.0)
     noise = np.sqrt(own.own_variance_mm2) / (_camera_uncertainty(camera)[2] or 1.0)
     offset = own.gradient[..., calibrated] if own.gradient.shape[-1] > calibrated else np.zeros(length.shape)
@@ -170,34 +172,38 @@ def averaged_error_budget(
     allowed_error_mm: float,
     rim_axis: NDArray[np.float64] | None = None,
 ) -> ErrorBudget:
-    """The budget of the mean of k looks at one dimension, without leading axes.
+    """The budget of the mean of k looks at one characteristic, without leading axes.
 
-    What looks share of the pose error acts by the mean of their gradients, what is drawn anew at each by ``1 / k`` of
-    its own. A source's share counts both; its sensitivity is the one that a single error of its standard uncertainty
-    would need for the same variance, and has no sign.
+    What acquisitions share of the pose error acts by the mean of their gradients, what is drawn anew at each by ``1 /
+    k`` of its own. A source's share counts both; its sensitivity is the one that a single error of its standard
+    uncertainty would need for the same variance, and has no sign.
 
     Parameters
     ----------
     points
-        ``(k, 2, 3)`` mm: both ends of the gauge of each look, in its camera frame.
+        ``(k, 2, 3)`` mm: both ends of the measurand of each acquisition, in its camera frame.
     rim_axis
-        ``(k, 3)``, of each look, as of :func:`~viewgauge.evaluation.camera_errors.camera_errors`.
+        ``(k, 3)``, of each acquisition, as of :func:`~viewgauge.evaluation.camera_errors.camera_errors`.
 
     Raises
     ------
     InputError
-        As :meth:`Looks.of`.
+        As :meth:`Acquisitions.of`.
     """
-    looks = Looks.of(points, camera, error, rim_axis)
-    k = len(looks)
-    mean = looks.gradient.mean(axis=0)
+    acquisitions = Acquisitions.of(points, camera, error, rim_axis)
+    k = len(acquisitions)
+    mean = acquisitions.gradient.mean(axis=0)
     terms = np.zeros((_ALL, _ALL))
-    terms[:6, :6] = np.outer(mean, mean) * looks.common_covariance
-    terms[:6, :6] += np.einsum("np,nq->pq", looks.gradient, looks.gradient) * looks.repeatability_covariance / k**2
-    terms[[6, 7], [6, 7]] = (looks.half_widths_mm**2).sum(axis=0) / 6 / k**2
-    terms[_NOISE, _NOISE] = looks.location_variance_mm2.sum() / k**2
+    terms[:6, :6] = np.outer(mean, mean) * acquisitions.common_covariance
+    terms[:6, :6] += (
+        np.einsum("np,nq->pq", acquisitions.gradient, acquisitions.gradient)
+        * acquisitions.repeatability_covariance
+        / k**2
+    )
+    terms[[6, 7], [6, 7]] = (acquisitions.half_widths_mm**2).sum(axis=0) / 6 / k**2
+    terms[_NOISE, _NOISE] = acquisitions.location_variance_mm2.sum() / k**2
     calibrated = 0 if camera.intrinsics_covariance is None else len(camera.intrinsics_covariance)
-    g, of_camera = looks.camera_gradient.mean(axis=0), looks.camera_covariance
+    g, of_camera = acquisitions.camera_gradient.mean(axis=0), acquisitions.camera_covariance
     for source, part in ((_CALIBRATION, slice(calibrated)), (_OFFSET, slice(calibrated, None))):
         terms[source, source] = g[part] @ of_camera[part, part] @ g[part]
     own, variance = terms.diagonal().copy(), float(terms.sum())
@@ -209,14 +215,14 @@ def averaged_error_budget(
         kept = np.ones(_ALL)
         kept[list(sources)] = 0.0
         camera_kept = np.where(
-            np.arange(looks.camera_gradient.shape[1]) < calibrated, kept[_CALIBRATION], kept[_OFFSET]
+            np.arange(acquisitions.camera_gradient.shape[1]) < calibrated, kept[_CALIBRATION], kept[_OFFSET]
         )
         left = replace(
-            looks,
-            gradient=looks.gradient * kept[:6],
-            half_widths_mm=looks.half_widths_mm * kept[_PIXELS],
-            location_variance_mm2=looks.location_variance_mm2 * kept[_NOISE],
-            camera_gradient=looks.camera_gradient * camera_kept,
+            acquisitions,
+            gradient=acquisitions.gradient * kept[:6],
+            half_widths_mm=acquisitions.half_widths_mm * kept[_PIXELS],
+            location_variance_mm2=acquisitions.location_variance_mm2 * kept[_NOISE],
+            camera_gradient=acquisitions.camera_gradient * camera_kept,
         )
         return np.asarray(left.mean_of(np.arange(k)).central_probability(allowed_error_mm))
 
@@ -234,9 +240,9 @@ def averaged_error_budget(
 
 def _camera_uncertainty(camera: Camera) -> NDArray[np.float64]:
     """Standard uncertainties of the camera's sources, in the order of :data:`SOURCES`."""
-    locator = camera.locator
-    quantization = 0.0 if locator is not None else camera.edge_resolution_px / np.sqrt(6)
-    noise, offset = (0.0, 0.0) if locator is None else (locator.noise_px, locator.bias_px)
+    edge_detector = camera.edge_detector
+    quantization = 0.0 if edge_detector is not None else camera.edge_resolution_px / np.sqrt(6)
+    noise, offset = (0.0, 0.0) if edge_detector is None else (edge_detector.noise_px, edge_detector.bias_px)
     return np.array([quantization, quantization, noise, offset, float(camera.intrinsics_covariance is not None)])
 
 

@@ -1,4 +1,4 @@
-"""Evaluates sensor settings, block by block, on all cores: the table, or only what is accepted."""
+"""Evaluates viewpoints, block by block, on all cores: the table, or only what is accepted."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import VIEWS, PoseError, invert, transform, view_block
-from ..part import Dimension, Mesh
-from ..part.measurand_table import GaugeTable
+from ..part import Characteristic, Mesh
+from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
-from ..visibility import VISIBLE, Culling, ObservationLimits, Occluder, SightLines
-from .best_measurands import best_gauges
+from ..visibility import VISIBLE, Culling, Occluder, SightLines
+from .best_measurands import best_measurands
 from .kernel import ProbabilityKernel
 from .pair_columns import PairColumns
-from .requirement.allowed_error import Requirement
 from .segment import FirstOrderMethod, SegmentImage, image_segment, require_plain
+from .setup import Setup
 from .validity import NEGLIGIBLE, WARNINGS, validity
 
 __all__ = ["Accepted", "Evaluator", "TableBlock"]
@@ -32,15 +32,15 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class TableBlock:
-    """The table's values of n settings x d dimensions.
+    """The table's values of n viewpoints x d characteristics.
 
     Parameters
     ----------
     reason, validity
         ``(n, d)`` index into :data:`~viewgauge.visibility.REASONS`; 0, or one more than that into
         :data:`~viewgauge.evaluation.WARNINGS`.
-    gauge
-        ``(n, d)`` index of the best gauge among those of its dimension.
+    measurand
+        ``(n, d)`` index of the best measurand among those of its characteristic.
     image_length_px, angle_rad, relative_tolerance, sigma_displacement_px, sigma_quantization_px, probability,
     expected_accuracy
         ``(n, d)``: the columns of the table.
@@ -54,7 +54,7 @@ class TableBlock:
     sigma_quantization_px: NDArray[np.float64]
     probability: NDArray[np.float64]
     expected_accuracy: NDArray[np.float64]
-    gauge: NDArray[np.int32]
+    measurand: NDArray[np.int32]
     validity: NDArray[np.int8]
 
     @property
@@ -65,12 +65,12 @@ class TableBlock:
 
 @dataclass(frozen=True)
 class Accepted:
-    """What n settings measure of d dimensions as surely as required.
+    """What n viewpoints measure of d characteristics as surely as required.
 
     Parameters
     ----------
     probability
-        ``(n, d)``: of the surest visible gauge; 0 where it is under the requirement.
+        ``(n, d)``: of the most probable visible measurand; 0 where it is under the requirement.
     certain
         ``(n, d)``: the small-error model is beyond doubt by the size of what it neglects.
     """
@@ -80,12 +80,12 @@ class Accepted:
 
 
 class Evaluator:
-    """Everything that is the same for all settings, made ready once.
+    """Everything that is the same for all viewpoints, made ready once.
 
     Parameters
     ----------
-    dimensions
-        Each with at least one gauge and an allowed error under the requirement.
+    characteristics
+        Each with at least one measurand and an allowed error under the requirement.
     mesh
         The part's surface, which hides.
     threads
@@ -96,71 +96,62 @@ class Evaluator:
 
     def __init__(
         self,
-        dimensions: Sequence[Dimension],
+        characteristics: Sequence[Characteristic],
         mesh: Mesh,
-        camera: Camera,
-        error: PoseError,
-        requirement: Requirement,
-        limits: ObservationLimits | None = None,
+        setup: Setup,
         method: FirstOrderMethod = "joint",
         threads: int | None = None,
         occluder: Occluder | None = None,
     ) -> None:
-        gauges = GaugeTable.of(dimensions)
+        measurands = MeasurandTable.of(characteristics)
+        camera, error = setup.camera, setup.pose_error
         if method == "independent":
             require_plain(camera)
-        self.dimensions = tuple(dimensions)
-        self._requirement, self._mesh, self._limits = requirement, mesh, limits or ObservationLimits()
-        self.allowed_error_mm = np.array([_allowed_error(requirement, dimension) for dimension in dimensions])
-        self._gauges, self._camera, self._error, self._method = gauges, camera, error, method
-        self.required = requirement.probability
-        self._tolerance = self.allowed_error_mm[gauges.dimension] / gauges.length_mm
-        self._first = np.append(gauges.first, len(gauges)).astype(np.int64)
-        self._culling = Culling(gauges, camera, self._limits)
+        self.characteristics, self.setup = tuple(characteristics), setup
+        self._mesh = mesh
+        self.allowed_error_mm = np.array([setup.allowed_error_mm(characteristic) for characteristic in characteristics])
+        self._measurands, self._camera, self._error, self._method = measurands, camera, error, method
+        self.required = setup.requirement.probability
+        self._tolerance = self.allowed_error_mm[measurands.characteristic] / measurands.length_mm
+        self._first = np.append(measurands.first, len(measurands)).astype(np.int64)
+        self._culling = Culling(measurands, camera, setup.limits)
         self._occluder = occluder or Occluder(mesh)
-        self._lines = SightLines(gauges, self._occluder)
-        self._kernel = ProbabilityKernel(gauges, self._tolerance, camera, error)
-        self._columns = PairColumns(gauges, camera, error)
+        self._lines = SightLines(measurands, self._occluder)
+        self._kernel = ProbabilityKernel(measurands, self._tolerance, camera, error)
+        self._columns = PairColumns(measurands, camera, error)
         self.threads = threads or _processors()
 
-    def of(self, dimensions: Sequence[int]) -> Evaluator:
-        """The same for some of the dimensions, by index: what hides is made ready only once."""
+    def of(self, characteristics: Sequence[int]) -> Evaluator:
+        """The same for some of the characteristics, by index: what hides is made ready only once."""
         return Evaluator(
-            [self.dimensions[j] for j in dimensions],
+            [self.characteristics[j] for j in characteristics],
             self._mesh,
-            self._camera,
-            self._error,
-            self._requirement,
-            self._limits,
+            self.setup,
             self._method,
             self.threads,
             self._occluder,
         )
 
-    def with_errors(self, camera: Camera, error: PoseError, requirement: Requirement | None = None) -> Evaluator:
-        """The same with another camera and head, and, if given, another requirement."""
-        return Evaluator(
-            self.dimensions,
-            self._mesh,
-            camera,
-            error,
-            requirement or self._requirement,
-            self._limits,
-            self._method,
-            self.threads,
-            self._occluder,
-        )
+    def with_setup(self, setup: Setup) -> Evaluator:
+        """The same characteristics and part with another set-up: what hides is made ready only once."""
+        return Evaluator(self.characteristics, self._mesh, setup, self._method, self.threads, self._occluder)
+
+    def with_errors(self, camera: Camera, pose_error: PoseError) -> Evaluator:
+        """The same with another camera and another uncertainty of its pose."""
+        return self.with_setup(replace(self.setup, camera=camera, pose_error=pose_error))
 
     def probabilities(self, T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
-        """``(n, d)`` of settings ``(n, 4, 4)`` mm: of the surest visible gauge, also below the requirement; else 0."""
+        """``(n, d)`` of viewpoints ``(n, 4, 4)`` mm: of the most probable visible measurand, also below the
+        requirement; else 0.
+        """
         return np.concatenate(self._of_blocks(lambda poses: self._ranked(poses, 0.0).probability, T_part_camera))
 
     def table(self, T_part_camera: NDArray[np.float64]) -> TableBlock:
-        """The table of settings ``(n, 4, 4)`` mm."""
+        """The table of viewpoints ``(n, 4, 4)`` mm."""
         return self._each_block(self._table_block, T_part_camera)
 
     def accepted(self, T_part_camera: NDArray[np.float64]) -> Accepted:
-        """Only what is accepted, of settings ``(n, 4, 4)`` mm: rays are cast for nothing else."""
+        """Only what is accepted, of viewpoints ``(n, 4, 4)`` mm: rays are cast for nothing else."""
         return self._each_block(self._accepted_block, T_part_camera)
 
     def _each_block(self, work: Callable[[NDArray[np.float64]], _Block], T_part_camera: NDArray[np.float64]) -> _Block:
@@ -182,64 +173,66 @@ class Evaluator:
             probability, margin = self._kernel.probabilities(views, count, reason)
         else:
             probability, margin = self._independent(poses, reason)
-        best, seen = best_gauges(views, count, reason, probability, margin, self._first, self._lines, threshold)
-        gauge, seen = best[:, :count].T, seen[:, :count].T
-        setting = np.broadcast_to(np.arange(count)[:, None], gauge.shape)
-        return _Ranked(views, gauge, seen, reason[gauge, setting], np.where(seen, probability[gauge, setting], 0.0))
+        best, seen = best_measurands(views, count, reason, probability, margin, self._first, self._lines, threshold)
+        measurand, seen = best[:, :count].T, seen[:, :count].T
+        viewpoint = np.broadcast_to(np.arange(count)[:, None], measurand.shape)
+        return _Ranked(
+            views, measurand, seen, reason[measurand, viewpoint], np.where(seen, probability[measurand, viewpoint], 0.0)
+        )
 
     def _independent(
         self, poses: NDArray[np.float64], reason: NDArray[np.int8]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The paper's model, in NumPy; the margin of a gauge is its expected accuracy."""
-        gauge, setting = np.nonzero(reason[:, : len(poses)] == VISIBLE)
-        image = self._image(poses[setting], gauge)
+        """The paper's model, in NumPy; the margin of a measurand is its expected accuracy."""
+        measurand, viewpoint = np.nonzero(reason[:, : len(poses)] == VISIBLE)
+        image = self._image(poses[viewpoint], measurand)
         probability, margin = np.zeros(reason.shape), np.zeros(reason.shape)
-        probability[gauge, setting] = image.success_probability(self._tolerance[gauge])
-        margin[gauge, setting] = image.expected_accuracy()
+        probability[measurand, viewpoint] = image.success_probability(self._tolerance[measurand])
+        margin[measurand, viewpoint] = image.expected_accuracy()
         return probability, margin
 
-    def _image(self, poses: NDArray[np.float64], gauge: NDArray[np.int64]) -> SegmentImage:
-        points = transform(invert(poses)[:, None], self._gauges.points[gauge])
+    def _image(self, poses: NDArray[np.float64], measurand: NDArray[np.int64]) -> SegmentImage:
+        points = transform(invert(poses)[:, None], self._measurands.points[measurand])
         return image_segment(points[:, 0], points[:, 1], self._camera, self._error, self._method)
 
     def _table_block(self, poses: NDArray[np.float64]) -> TableBlock:
         ranked = self._ranked(poses, 0.0)
-        gauge, visible = ranked.gauge, ranked.seen
-        setting = np.repeat(np.arange(len(gauge)), gauge.shape[1])
-        values = self._columns.of(ranked.views, setting, gauge.ravel())
-        sigma, accuracy = (v.reshape(gauge.shape) for v in (values.sigma_displacement_px, values.expected_accuracy))
+        measurand, visible = ranked.measurand, ranked.seen
+        viewpoint = np.repeat(np.arange(len(measurand)), measurand.shape[1])
+        values = self._columns.of(ranked.views, viewpoint, measurand.ravel())
+        sigma, accuracy = (v.reshape(measurand.shape) for v in (values.sigma_displacement_px, values.expected_accuracy))
         if self._method == "independent":
             at = np.nonzero(visible)
-            image = self._image(poses[at[0]], gauge[at])
+            image = self._image(poses[at[0]], measurand[at])
             direction = np.stack([np.cos(image.angle_rad), np.sin(image.angle_rad)], axis=-1)
             per_mm = np.linalg.norm(direction / np.asarray(self._camera.pixel_pitch_mm), axis=-1)
             sigma[at], accuracy[at] = image.sigma_displacement_mm * per_mm, image.expected_accuracy()
         return TableBlock(
             reason=ranked.reason,
-            image_length_px=values.length_px.reshape(gauge.shape),
-            angle_rad=values.angle_rad.reshape(gauge.shape),
-            relative_tolerance=self._tolerance[gauge],
+            image_length_px=values.length_px.reshape(measurand.shape),
+            angle_rad=values.angle_rad.reshape(measurand.shape),
+            relative_tolerance=self._tolerance[measurand],
             sigma_displacement_px=np.where(visible, sigma, np.nan),
-            sigma_quantization_px=np.where(visible, values.sigma_quantization_px.reshape(gauge.shape), np.nan),
+            sigma_quantization_px=np.where(visible, values.sigma_quantization_px.reshape(measurand.shape), np.nan),
             probability=ranked.probability,
             expected_accuracy=np.where(visible, accuracy, 0.0),
-            gauge=(gauge - self._gauges.first).astype(np.int32),
-            validity=self._validity(poses, gauge, visible, values.neglected.reshape(gauge.shape)),
+            measurand=(measurand - self._measurands.first).astype(np.int32),
+            validity=self._validity(poses, measurand, visible, values.neglected.reshape(measurand.shape)),
         )
 
     def _validity(
         self,
         poses: NDArray[np.float64],
-        gauge: NDArray[np.int64],
+        measurand: NDArray[np.int64],
         visible: NDArray[np.bool_],
         neglected: NDArray[np.float64],
     ) -> NDArray[np.int8]:
         """Codes of the warnings; only pairs that neglect more than nothing are looked at closely."""
-        codes = np.zeros(gauge.shape, dtype=np.int8)
+        codes = np.zeros(measurand.shape, dtype=np.int8)
         at = np.nonzero(visible & ~(neglected < _SCREEN))
         if len(at[0]):
-            points = transform(invert(poses[at[0]])[:, None], self._gauges.points[gauge[at]])
-            names = validity(points[:, 0], points[:, 1], self._camera, self._error, self._tolerance[gauge[at]])
+            points = transform(invert(poses[at[0]])[:, None], self._measurands.points[measurand[at]])
+            names = validity(points[:, 0], points[:, 1], self._camera, self._error, self._tolerance[measurand[at]])
             found = np.zeros(len(names), dtype=np.int8)
             for code, name in enumerate(WARNINGS, start=1):
                 found[names == name] = code
@@ -250,7 +243,7 @@ class Evaluator:
         ranked = self._ranked(poses, self.required)
         at = np.nonzero(ranked.seen)
         certain = np.zeros(ranked.seen.shape, dtype=bool)
-        certain[at] = self._columns.neglected(ranked.views, at[0], ranked.gauge[at]) < _SCREEN
+        certain[at] = self._columns.neglected(ranked.views, at[0], ranked.measurand[at]) < _SCREEN
         return Accepted(ranked.probability, certain)
 
 
@@ -282,17 +275,10 @@ _SCREEN = NEGLIGIBLE * (1 - 1e-6)
 
 @dataclass(frozen=True)
 class _Ranked:
-    """A block of n settings with the best gauge of each dimension ``(n, d)``."""
+    """A block of n viewpoints with the best measurand of each characteristic ``(n, d)``."""
 
     views: NDArray[np.float64]
-    gauge: NDArray[np.int64]
+    measurand: NDArray[np.int64]
     seen: NDArray[np.bool_]
     reason: NDArray[np.int8]
     probability: NDArray[np.float64]
-
-
-def _allowed_error(requirement: Requirement, dimension: Dimension) -> float:
-    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
-    if allowed is None:
-        raise ValueError(f"dimension {dimension.id} has no tolerance, which the requirement needs")
-    return allowed

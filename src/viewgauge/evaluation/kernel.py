@@ -1,8 +1,8 @@
-"""From settings and gauges to probabilities: the compiled joint model (theory sections 5 and 6).
+"""From viewpoints and measurands to probabilities: the compiled joint model (theory sections 5 and 6).
 
-The same mathematics as :func:`~viewgauge.evaluation.image_segment` with "joint", for all pairs of a block of settings
-and some gauges. Two compiled passes over a tile of pairs that stays in the second-level cache: projection, Jacobian,
-variance and quantization here; the law of the total error in :mod:`viewgauge.errors.joint.closed_form_array`.
+The same mathematics as :func:`~viewgauge.evaluation.image_segment` with "joint", for all pairs of a block of viewpoints
+and some measurands. Two compiled passes over a tile of pairs that stays in the second-level cache: projection,
+Jacobian, variance and quantization here; the law of the total error in :mod:`viewgauge.errors.joint.closed_form_array`.
 
 Everything is in units of the focal length (tangents of image directions), in which the probability does not depend on
 it. With ``(x_i, y_i) = (X_i, Y_i)/Z_i``, l the length of their difference and (c, s) its direction, the Jacobian of the
@@ -24,35 +24,37 @@ from numpy.typing import NDArray
 
 from ..errors.joint.closed_form_array import central_probability_into
 from ..geometry import VIEWS, PoseError
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
 from ..visibility import VISIBLE
 from .camera_errors import PairCameraErrors
 
 __all__ = ["ProbabilityKernel"]
 
-_GAUGES = 32
-"""Gauges in a tile: with 256 settings 8192 pairs, whose values fill a third of a typical second-level cache."""
-_PAIRS = _GAUGES * VIEWS
+_MEASURANDS = 32
+"""Measurands in a tile: with 256 viewpoints 8192 pairs, whose values fill a third of a typical second-level cache."""
+_PAIRS = _MEASURANDS * VIEWS
 
 
 class ProbabilityKernel:
-    """The joint model's probability of every pair of a block of settings and a table of gauges.
+    """The joint model's probability of every pair of a block of viewpoints and a table of measurands.
 
     Parameters
     ----------
     tolerance
-        ``(g,)``: relative tolerance T of each gauge.
+        ``(g,)``: relative tolerance T of each measurand.
     """
 
-    def __init__(self, gauges: GaugeTable, tolerance: NDArray[np.float64], camera: Camera, error: PoseError) -> None:
-        self._points = np.ascontiguousarray(gauges.points)
+    def __init__(
+        self, measurands: MeasurandTable, tolerance: NDArray[np.float64], camera: Camera, error: PoseError
+    ) -> None:
+        self._points = np.ascontiguousarray(measurands.points)
         self._tolerance = np.ascontiguousarray(tolerance, dtype=float)
         factor = (error.adjoint @ error.factor)[:5]
         R = np.asarray(np.linalg.qr(factor.T, mode="r"))
         steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
         self._parameters = np.array([*R[np.triu_indices(5)], *steps])
-        self._camera = None if camera.is_plain else PairCameraErrors(gauges, camera)
+        self._camera = None if camera.is_plain else PairCameraErrors(measurands, camera)
 
     def probabilities(
         self, views: NDArray[np.float64], count: int, reason: NDArray[np.int8]
@@ -70,12 +72,12 @@ class ProbabilityKernel:
         -------
         The probabilities, to 1e-11, and T L in units of the standard deviation of the total error, squared.
         """
-        gauges = len(self._points)
-        probability, margin = np.zeros((gauges, VIEWS)), np.zeros((gauges, VIEWS))
+        measurands = len(self._points)
+        probability, margin = np.zeros((measurands, VIEWS)), np.zeros((measurands, VIEWS))
         values, place = np.empty(6 * _PAIRS), np.empty(_PAIRS, np.int64)
         x, sigma, a, b, ratio, law = values.reshape(6, _PAIRS)
-        for first in range(0, gauges, _GAUGES):
-            tile = slice(first, first + _GAUGES)
+        for first in range(0, measurands, _MEASURANDS):
+            tile = slice(first, first + _MEASURANDS)
             n = _lengths(
                 views, count, self._points[tile], self._tolerance[tile], self._parameters, reason[tile], values, place
             )
@@ -94,8 +96,8 @@ class ProbabilityKernel:
         values: NDArray[np.float64],
     ) -> None:
         """What a camera that is not plain adds to the errors of a tile, which have its quantization as if it were."""
-        gauge, setting = np.divmod(place, VIEWS)
-        a, b, variance = camera.of(views, setting, first + gauge)
+        measurand, viewpoint = np.divmod(place, VIEWS)
+        a, b, variance = camera.of(views, viewpoint, first + measurand)
         total = values[1] ** 2 + variance
         values[1], values[2], values[3] = np.sqrt(total), a, b
         values[4] = values[0] ** 2 / np.maximum(total + (a**2 + b**2) / 6, 1e-300)
@@ -109,7 +111,7 @@ def _scatter(place, law, ratio, probability, margin):  # type: ignore[no-untyped
 
 @numba.njit(error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True)
 def _length(views, s, x1, y1, z1, x2, y2, z2, T, R):  # type: ignore[no-untyped-def]
-    """Allowed error, variance, two half-widths, squared margin of the pair with setting s."""
+    """Allowed error, variance, two half-widths, squared margin of the pair with viewpoint s."""
     r0, r1, r2 = views[s], views[VIEWS + s], views[2 * VIEWS + s]
     r3, r4, r5 = views[3 * VIEWS + s], views[4 * VIEWS + s], views[5 * VIEWS + s]
     r6, r7, r8 = views[6 * VIEWS + s], views[7 * VIEWS + s], views[8 * VIEWS + s]

@@ -1,8 +1,8 @@
-"""How much probability lies on lines through the space of the errors, with the exact camera.
+"""How much probability lies on lines through the space of the errors, with the full camera model.
 
 The errors are eight independent unit normals: six of the pose and two of quantization, a normal of the same variance
 standing for the triangular difference of two uniforms. It serves to judge the small-error model, not to replace the
-exact camera of :mod:`viewgauge.simulation`, with which it shares geometry alone.
+full camera model of :mod:`viewgauge.simulation`, with which it shares geometry alone.
 """
 
 from __future__ import annotations
@@ -83,10 +83,10 @@ class _ExactLength:
     """Length errors of m segments for unit normals ``(m, ..., 8)``, with true rotations and the euclidean length."""
 
     def __init__(self, points: NDArray[np.float64], camera: Camera, error: PoseError) -> None:
-        assert error.T_camera_head is not None  # set by PoseError
-        self.pose, self.factor = error.T_camera_head, error.factor
+        assert error.T_camera_frame is not None  # set by PoseError
+        self.pose, self.factor = error.T_camera_frame, error.factor
         self.length_mm = np.linalg.norm(np.diff(camera.project(points), axis=-2)[:, 0], axis=-1)[:, None, None]
-        self.ends = transform(invert(self.pose), points)  # head frame
+        self.ends = transform(invert(self.pose), points)  # pose error frame
         self.focal, self.steps = camera.focal_length_mm, location_deviations(points, camera)[:, None, None]
 
     def __call__(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:

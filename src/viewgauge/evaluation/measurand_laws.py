@@ -1,4 +1,4 @@
-"""The laws of the error with which one dimension is measured, in mm of the dimension."""
+"""The laws of the error with which one characteristic is measured, in mm of the characteristic."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ..errors import AveragedError, IndependentTotalError, TotalError
 from ..errors.law import Law
 from ..geometry import PoseError
 from ..sensors import Camera
-from .averaging import Looks
+from .averaging import Acquisitions
 from .segment import image_segment
 
-__all__ = ["GaugeLaws"]
+__all__ = ["MeasurandLaws"]
 
 
 @dataclass(frozen=True)
-class GaugeLaws(Drawable):
-    """What the error of a dimension is made of, and how sure that makes it.
+class MeasurandLaws(Drawable):
+    """What the error of a characteristic is made of, and how sure that makes it.
 
     Parameters
     ----------
     length_mm
-        Of the gauge, or the mean of those of several looks.
+        Of the measurand, or the mean of those of several viewpoints.
     total
         Law of the error, mm: the joint model.
     displacement
@@ -34,9 +34,9 @@ class GaugeLaws(Drawable):
         Of what the camera alone does: quantization, or edge location and calibration.
     independent
         The paper's independent model of the total error, mm **on the image**; None where it does not know the camera,
-        for several looks, or where it has no value.
+        for several viewpoints, or where it has no value.
     image_scale
-        Millimetres of the dimension for each on the image.
+        Millimetres of the characteristic for each on the image.
     """
 
     length_mm: float
@@ -47,19 +47,19 @@ class GaugeLaws(Drawable):
     image_scale: float = 1.0
 
     @classmethod
-    def of_look(
+    def of_acquisition(
         cls,
         points: ArrayLike,
         camera: Camera,
         error: PoseError,
         rim_axis: NDArray[np.float64] | None = None,
-    ) -> GaugeLaws:
-        """Of one look.
+    ) -> MeasurandLaws:
+        """Of one acquisition.
 
         Parameters
         ----------
         points
-            ``(2, 3)`` mm: both ends of the gauge, in front of the camera, in its frame.
+            ``(2, 3)`` mm: both ends of the measurand, in front of the camera, in its frame.
         rim_axis
             ``(3,)``, camera frame: as of :func:`~viewgauge.evaluation.camera_errors.camera_errors`.
         """
@@ -90,27 +90,28 @@ class GaugeLaws(Drawable):
         camera: Camera,
         error: PoseError,
         rim_axis: NDArray[np.float64] | None = None,
-    ) -> GaugeLaws:
-        """Of the mean of k looks; ``points`` ``(k, 2, 3)`` mm and ``rim_axis`` ``(k, 3)``, each in its camera frame.
+    ) -> MeasurandLaws:
+        """Of the mean of k acquisitions; ``points`` ``(k, 2, 3)`` mm and ``rim_axis`` ``(k, 3)``, each in its camera
+        frame.
 
         Raises
         ------
         InputError
-            As :meth:`~viewgauge.evaluation.Looks.of`.
+            As :meth:`~viewgauge.evaluation.Acquisitions.of`.
         """
         ends = np.asarray(points, dtype=float)
-        looks = Looks.of(ends, camera, error, rim_axis)
-        every = np.arange(len(looks))
+        acquisitions = Acquisitions.of(ends, camera, error, rim_axis)
+        every = np.arange(len(acquisitions))
         nothing = np.zeros_like
         moved = replace(
-            looks,
-            half_widths_mm=nothing(looks.half_widths_mm),
-            location_variance_mm2=nothing(looks.location_variance_mm2),
-            camera_gradient=nothing(looks.camera_gradient),
+            acquisitions,
+            half_widths_mm=nothing(acquisitions.half_widths_mm),
+            location_variance_mm2=nothing(acquisitions.location_variance_mm2),
+            camera_gradient=nothing(acquisitions.camera_gradient),
         )
-        held = replace(looks, gradient=nothing(looks.gradient))
+        held = replace(acquisitions, gradient=nothing(acquisitions.gradient))
         length = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
-        return cls(length, looks.mean_of(every), moved.mean_of(every), held.mean_of(every))
+        return cls(length, acquisitions.mean_of(every), moved.mean_of(every), held.mean_of(every))
 
     @property
     def standard_uncertainty_mm(self) -> float:
@@ -128,7 +129,7 @@ class GaugeLaws(Drawable):
         return np.asarray(self.independent.central_probability(np.asarray(error_mm, dtype=float) / self.image_scale))
 
     def independent_density(self, error_mm: ArrayLike) -> NDArray[np.float64] | None:
-        """Density per mm of the dimension by the paper's independent model; None where there is none."""
+        """Density per mm of the characteristic by the paper's independent model; None where there is none."""
         if self.independent is None:
             return None
         return self.independent.pdf(np.asarray(error_mm, dtype=float) / self.image_scale) / self.image_scale

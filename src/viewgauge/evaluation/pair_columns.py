@@ -1,4 +1,4 @@
-"""What the table says of a pair of setting and gauge beside its probability, compiled.
+"""What the table says of a pair of viewpoint and measurand beside its probability, compiled.
 
 The formulas are those of :func:`~viewgauge.evaluation.image_segment` and of :mod:`~viewgauge.evaluation.validity`,
 of which this is the screen that lets all but the doubtful pairs pass.
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors.joint.mean_absolute_array import mean_absolute_into
 from ..geometry import VIEWS, PoseError
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
 from .camera_errors import PairCameraErrors
 
@@ -24,15 +24,15 @@ __all__ = ["PairColumns", "PairValues"]
 
 @dataclass(frozen=True)
 class PairValues:
-    """Values of p pairs; NaN where an end of the gauge is not in front of the camera.
+    """Values of p pairs; NaN where an end of the measurand is not in front of the camera.
 
     Parameters
     ----------
     length_px, angle_rad
         Of the image, the angle from +u.
     sigma_displacement_px, sigma_quantization_px
-        Standard deviations of the length error by the pose error and by the camera (quantization or a locator's noise,
-        and calibration), along the image of the gauge.
+        Standard deviations of the length error by the pose error and by the camera (quantization or an edge detector's
+        noise, and calibration), along the image of the measurand.
     expected_accuracy
         1 - E|error| / L (eq. 20), not below 0.
     neglected
@@ -50,20 +50,20 @@ class PairValues:
 class PairColumns:
     """Computes :class:`PairValues` by the joint model."""
 
-    def __init__(self, gauges: GaugeTable, camera: Camera, error: PoseError) -> None:
-        self._points = np.ascontiguousarray(gauges.points)
+    def __init__(self, measurands: MeasurandTable, camera: Camera, error: PoseError) -> None:
+        self._points = np.ascontiguousarray(measurands.points)
         self._covariance = np.ascontiguousarray(error.camera_covariance)
         focal = camera.focal_length_mm
         steps = np.asarray(camera.quantization_step_mm) / focal
         self._parameters = np.array([*steps, *(focal / np.asarray(camera.pixel_pitch_mm))])
-        self._camera = None if camera.is_plain else PairCameraErrors(gauges, camera)
+        self._camera = None if camera.is_plain else PairCameraErrors(measurands, camera)
 
-    def of(self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]) -> PairValues:
-        """Of pairs of a block of settings (:func:`~viewgauge.geometry.view_block`): indices ``(p,)``."""
-        out = self._rows(views, setting, gauge)
+    def of(self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]) -> PairValues:
+        """Of pairs of a block of viewpoints (:func:`~viewgauge.geometry.view_block`): indices ``(p,)``."""
+        out = self._rows(views, viewpoint, measurand)
         length, sigma, a, b = out[5:]
         if self._camera is not None:
-            a, b, variance = self._camera.of(views, setting, gauge)
+            a, b, variance = self._camera.of(views, viewpoint, measurand)
             per_unit = np.divide(out[0], length, out=np.zeros(len(length)), where=length > 0)
             out[3] = np.sqrt(variance + (a**2 + b**2) / 6) * per_unit
             sigma = np.sqrt(sigma**2 + variance)
@@ -73,17 +73,17 @@ class PairColumns:
         return PairValues(out[0], out[1], out[2], out[3], np.maximum(1 - relative, 0.0), out[4])
 
     def neglected(
-        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+        self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]
     ) -> NDArray[np.float64]:
         """Of :meth:`of` the last alone, ``(p,)``."""
-        return np.asarray(self._rows(views, setting, gauge)[4])
+        return np.asarray(self._rows(views, viewpoint, measurand)[4])
 
     def _rows(
-        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+        self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]
     ) -> NDArray[np.float64]:
-        out = np.empty((9, len(setting)))
-        setting, gauge = np.ascontiguousarray(setting), np.ascontiguousarray(gauge)
-        _columns(views, setting, gauge, self._points, self._covariance, self._parameters, out)
+        out = np.empty((9, len(viewpoint)))
+        viewpoint, measurand = np.ascontiguousarray(viewpoint), np.ascontiguousarray(measurand)
+        _columns(views, viewpoint, measurand, self._points, self._covariance, self._parameters, out)
         return out
 
 
@@ -105,10 +105,10 @@ def _variance(S, v0, v1, v2, v3, v4, v5):  # type: ignore[no-untyped-def]
     nogil=True,
     error_model="numpy",
 )
-def _columns(views, setting, gauge, points, S, parameters, out):  # type: ignore[no-untyped-def]
+def _columns(views, viewpoint, measurand, points, S, parameters, out):  # type: ignore[no-untyped-def]
     step_u, step_v, scale_u, scale_v = parameters[0], parameters[1], parameters[2], parameters[3]
-    for k in range(len(setting)):
-        s, g = setting[k], gauge[k]
+    for k in range(len(viewpoint)):
+        s, g = viewpoint[k], measurand[k]
         p = np.empty((2, 3))
         for end in range(2):
             x, y, z = points[g, end, 0], points[g, end, 1], points[g, end, 2]
@@ -131,7 +131,7 @@ def _columns(views, setting, gauge, points, S, parameters, out):  # type: ignore
         d_uu, d_uv, d_vv = (u2 + u1) * du, u2 * v2 - u1 * v1, (v2 + v1) * dv
         a, b = step_u * abs(c), step_v * abs(n)
         along = _variance(S, c * d_w, n * d_w, -c * d_uw - n * d_vw, -c * d_uv - n * d_vv, c * d_uu + n * d_uv, 0.0)
-        # across the image of the gauge; a turn about the optical axis moves it there by its whole length
+        # across the image of the measurand; a turn about the optical axis moves it there by its whole length
         across = _variance(
             S, -n * d_w, c * d_w, n * d_uw - c * d_vw, n * d_uv - c * d_vv, -n * d_uu + c * d_uv, n * dv + c * du
         )

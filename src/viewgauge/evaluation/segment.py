@@ -150,7 +150,7 @@ def require_plain(camera: Camera) -> None:
     """Raise InputError if the paper's independent model does not know such a camera."""
     if not camera.is_plain:
         raise InputError(
-            "the paper's model knows neither lens nor calibration uncertainty nor sub-pixel locator",
+            "the paper's model knows neither lens nor calibration uncertainty nor sub-pixel edge detector",
             key="method",
             got="independent",
             expected="joint or monte-carlo with this camera",

@@ -1,4 +1,4 @@
-"""The table setting x dimension: how well each sensor setting measures each dimension, by its best gauge."""
+"""The table viewpoint x characteristic: how well each viewpoint measures each characteristic, by its best measurand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing import drawing
-from ..part import Dimension
+from ..part import Characteristic
 from ..visibility import REASONS
 from .validity import WARNINGS
 
@@ -32,7 +32,7 @@ COLUMNS = (
     "expected_accuracy",
     "accepted",
 )
-"""Columns of the table, beside ``setting`` and ``dimension``."""
+"""Columns of the table, beside ``viewpoint`` and ``characteristic``."""
 
 
 @cache
@@ -41,13 +41,13 @@ def _give_picture() -> None:
     import xarray as xr
 
     class TableAccessor:
-        """What a table setting x dimension can do beside being a dataset."""
+        """What a table viewpoint x characteristic can do beside being a dataset."""
 
         def __init__(self, table: xr.Dataset) -> None:
             self._table = table
 
         def plot(self, *, dark: bool = False) -> Figure:
-            """A map of probabilities, settings down and dimensions across, as a Plotly figure."""
+            """A map of probabilities, viewpoints down and characteristics across, as a Plotly figure."""
             return drawing().table_figure(self._table, dark=dark)
 
     xr.register_dataset_accessor("viewgauge")(TableAccessor)  # type: ignore[no-untyped-call]
@@ -55,24 +55,26 @@ def _give_picture() -> None:
 
 def as_dataset(
     columns: Mapping[str, NDArray[np.generic]],
-    setting_ids: Sequence[str],
-    dimensions: Sequence[Dimension],
+    viewpoint_ids: Sequence[str],
+    characteristics: Sequence[Characteristic],
     allowed_error_mm: NDArray[np.float64],
     attrs: Mapping[str, str | float],
 ) -> xr.Dataset:
-    """A dataset over (setting, dimension) of columns ``(n, d)``; reasons and warnings are given by their index."""
+    """A dataset over (viewpoint, characteristic) of columns ``(n, d)``; reasons and warnings are given by their
+    index.
+    """
     import xarray as xr  # slow to import
 
     _give_picture()
     names = {"reason": REASONS, "validity": ("", *WARNINGS)}
     texts = {k: np.array(v, dtype=object)[columns[k].astype(int)] for k, v in names.items() if k in columns}
     return xr.Dataset(
-        {name: (("setting", "dimension"), values) for name, values in ({**columns, **texts}).items()},
+        {name: (("viewpoint", "characteristic"), values) for name, values in ({**columns, **texts}).items()},
         coords={
-            "setting": ("setting", list(setting_ids)),
-            "dimension": ("dimension", [dimension.id for dimension in dimensions]),
-            "nominal_mm": ("dimension", [dimension.nominal_mm for dimension in dimensions]),
-            "allowed_error_mm": ("dimension", allowed_error_mm),
+            "viewpoint": ("viewpoint", list(viewpoint_ids)),
+            "characteristic": ("characteristic", [characteristic.id for characteristic in characteristics]),
+            "nominal_mm": ("characteristic", [characteristic.nominal_mm for characteristic in characteristics]),
+            "allowed_error_mm": ("characteristic", allowed_error_mm),
         },
         attrs=dict(attrs),
     )

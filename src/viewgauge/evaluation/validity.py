@@ -11,8 +11,8 @@ depth over the depth, and L the image length:
 In P(|error| <= T L) a bias b alone counts only as b²/sigma², the size of the cubic terms; no fixed ratio bounds all of
 them. So the error of the probability is computed, by line sampling (Koutsourelakis, Pradlwarter and Schuëller,
 *Prob. Eng. Mech.* 19 (2004) 409): with the errors as independent unit normals, turned so that z1 is the direction in
-which the length changes, the exact camera tells on a line along z1 between which z1 the length is right, and the line
-holds Phi(z+) - Phi(z-) of the probability. Its change over the other directions, one at a time by Gauss-Hermite
+which the length changes, the full camera model tells on a line along z1 between which z1 the length is right, and the
+line holds Phi(z+) - Phi(z-) of the probability. Its change over the other directions, one at a time by Gauss-Hermite
 nodes, the transverse one and those of the two depths first among them, is the estimate. It is not made where the
 neglected terms are negligible by their size, and is enlarged where they are so large that directions act together.
 """
@@ -122,7 +122,7 @@ def validity(
 def probability_error(
     start: ArrayLike, end: ArrayLike, camera: Camera, error: PoseError, relative_tolerance: ArrayLike
 ) -> NDArray[np.float64]:
-    """Estimate of how far the joint model's probability is from the exact camera's; arguments as :func:`validity`.
+    """Estimate of how far the joint model's probability is from the full camera model's; arguments as :func:`validity`.
 
     It sums the sizes of effects that may cancel, and so is rather too large. 1 where an end is not in front of the
     camera; 0 where the errors are too small to matter.

@@ -24,7 +24,7 @@ __all__ = ["Job", "Stage"]
 _Result = TypeVar("_Result")
 _Arguments = ParamSpec("_Arguments")
 
-_TOLD_EVERY_S = 0.1
+_REPORT_EVERY_S = 0.1
 _GRACE_S = 1.0
 
 
@@ -122,7 +122,7 @@ class Job(Generic[_Result]):
             if self._deadline is not None and time.monotonic() > self._deadline:
                 return _Outcome(error=ViewgaugeError(f"it took longer than {self._timeout_s:g} s"))
             try:
-                if not connection.poll(_TOLD_EVERY_S):
+                if not connection.poll(_REPORT_EVERY_S):
                     continue
                 kind, content = connection.recv()
             except (EOFError, OSError):
@@ -146,7 +146,7 @@ class _Outcome(Generic[_Result]):
         return self.result[0]
 
 
-class _Told:
+class _Reporter:
     """Tells the parent of stages, but not more often than it can be shown."""
 
     def __init__(self, connection: Connection) -> None:
@@ -159,13 +159,13 @@ class _Told:
         def advance(some: int) -> None:
             nonlocal done
             done += some
-            if time.monotonic() - self._last > _TOLD_EVERY_S:
-                self._tell(Stage(name, done, total))
+            if time.monotonic() - self._last > _REPORT_EVERY_S:
+                self._report(Stage(name, done, total))
 
-        self._tell(Stage(name, 0, total))
+        self._report(Stage(name, 0, total))
         yield advance
 
-    def _tell(self, stage: Stage) -> None:
+    def _report(self, stage: Stage) -> None:
         self._last = time.monotonic()
         with contextlib.suppress(OSError):  # nobody listens any more
             self._connection.send(("stage", stage))
@@ -184,7 +184,7 @@ def _run(
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent says when to end
     outcome: tuple[str, object]
     try:
-        outcome = ("result", work(_Told(connection), *arguments))
+        outcome = ("result", work(_Reporter(connection), *arguments))
     except ViewgaugeError as error:
         outcome = ("error", error)
     except MemoryError:

@@ -1,4 +1,6 @@
-"""A long job in chunks of settings: what a chunk needs, and what it gives. Each runs in this or in another process."""
+"""A long job in chunks of viewpoints: what a chunk needs, and what it gives. Each runs in this or in another
+process.
+"""
 
 from __future__ import annotations
 
@@ -11,31 +13,29 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import BestRows, Evaluator, Requirement, TableBlock
+from ..evaluation import BestRows, Evaluator, Setup, TableBlock
 from ..evaluation.segment import FirstOrderMethod
 from ..exceptions import InputError, NoCandidateError
-from ..geometry import PoseError, invert, transform
-from ..part import Dimension, Mesh
+from ..geometry import invert, transform
+from ..part import Characteristic, Mesh
 from ..part.characteristic import rim_axes
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 from ..planning import CandidateGrid, Undominated, probability_levels
-from ..planning.inspection import ExplicitSettings, Inspection
-from ..sensors import Camera
-from ..visibility import ObservationLimits
+from ..planning.inspection import ExplicitViewpoints, Inspection
 
 if TYPE_CHECKING:
-    from ..simulation import ExactEstimates
+    from ..simulation import FullModelEstimates
 
 __all__ = [
     "CONFIDENCE",
     "DEFAULT_PRECISION",
-    "SETTINGS_PER_CHUNK",
+    "VIEWPOINTS_PER_CHUNK",
     "Chunk",
     "ChunkWriter",
     "Corrections",
     "EvaluationJob",
-    "SettingSource",
     "TableJob",
+    "ViewpointSource",
     "accepted_chunk",
     "best_chunk",
     "candidate_grid",
@@ -50,52 +50,56 @@ __all__ = [
 
 _log = logging.getLogger(__name__)
 
-SETTINGS_PER_CHUNK = 16_384
-"""By default: some MB for each dimension, and for the usual part a few tenths of a second."""
+VIEWPOINTS_PER_CHUNK = 16_384
+"""By default: some MB for each characteristic, and for the usual part a few tenths of a second."""
 
 DEFAULT_PRECISION = 1e-3
-CONFIDENCE = 0.99  # of the intervals of the exact camera
+CONFIDENCE = 0.99  # of the intervals of the full camera model
 _PAIRS_SIMULATED = 500  # at once
 
 Chunk = tuple[int, int]
-"""First setting, and the one after the last."""
+"""First viewpoint, and the one after the last."""
 
 
 class ChunkWriter(Protocol):
     """What writes a chunk of a table from any process."""
 
     def write(
-        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+        self, first_viewpoint: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
     ) -> None:
-        """Write the chunk of settings that begins with ``first_setting``: a column ``(m, d)`` a name, and a summary."""
+        """Write the chunk of viewpoints that begins with ``first_viewpoint``: a column ``(m, d)`` a name, and a
+        summary.
+        """
         ...
 
 
-class SettingSource(Protocol):
-    """Settings by their index, made or kept."""
+class ViewpointSource(Protocol):
+    """Viewpoints by their index, made or kept."""
 
     def __len__(self) -> int: ...
 
     def poses(self, first: int, stop: int) -> NDArray[np.float64]:
-        """``T_part_camera`` ``(m, 4, 4)`` mm of settings ``first`` to ``stop - 1``, as far as there are."""
+        """``T_part_camera`` ``(m, 4, 4)`` mm of viewpoints ``first`` to ``stop - 1``, as far as there are."""
         ...
 
 
 @dataclass(frozen=True)
 class Corrections:
-    """Probabilities of some pairs of setting and dimension, found otherwise, which take the first-order ones' place."""
+    """Probabilities of some pairs of viewpoint and characteristic, found otherwise, which take the first-order ones'
+    place.
+    """
 
-    setting: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    dimension: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    viewpoint: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    characteristic: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     expected_accuracy: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     def applied(self, table: TableBlock, index: NDArray[np.int64]) -> TableBlock:
-        """To the table of settings with these ascending indices, in place."""
-        row = np.searchsorted(index, self.setting)
-        here = np.flatnonzero(np.isin(self.setting, index))
-        table.probability[row[here], self.dimension[here]] = self.probability[here]
-        table.expected_accuracy[row[here], self.dimension[here]] = self.expected_accuracy[here]
+        """To the table of viewpoints with these ascending indices, in place."""
+        row = np.searchsorted(index, self.viewpoint)
+        here = np.flatnonzero(np.isin(self.viewpoint, index))
+        table.probability[row[here], self.characteristic[here]] = self.probability[here]
+        table.expected_accuracy[row[here], self.characteristic[here]] = self.expected_accuracy[here]
         return table
 
 
@@ -109,13 +113,10 @@ class EvaluationJob:
         Of a chunk; None for as many as there are processors.
     """
 
-    dimensions: tuple[Dimension, ...]
+    characteristics: tuple[Characteristic, ...]
     mesh: Mesh
-    camera: Camera
-    head: PoseError
-    requirement: Requirement
-    limits: ObservationLimits
-    source: SettingSource
+    setup: Setup
+    source: ViewpointSource
     method: FirstOrderMethod = "joint"
     threads: int | None = None
     corrections: Corrections = field(default_factory=Corrections)
@@ -124,19 +125,16 @@ class EvaluationJob:
     def of(
         cls,
         inspection: Inspection,
-        dimensions: Sequence[Dimension],
-        source: SettingSource,
+        characteristics: Sequence[Characteristic],
+        source: ViewpointSource,
         method: FirstOrderMethod = "joint",
         threads: int | None = None,
     ) -> EvaluationJob:
-        """A job with some dimensions of an inspection."""
+        """A job with some characteristics of an inspection."""
         return cls(
-            tuple(dimensions),
+            tuple(characteristics),
             inspection.part.mesh,
-            inspection.camera,
-            inspection.head,
-            inspection.requirement,
-            inspection.limits,
+            inspection.setup,
             source,
             method,
             threads,
@@ -146,68 +144,66 @@ class EvaluationJob:
 @lru_cache(maxsize=2)
 def evaluator_of(job: EvaluationJob) -> Evaluator:
     """The job's evaluator, made once in each process."""
-    return Evaluator(
-        job.dimensions, job.mesh, job.camera, job.head, job.requirement, job.limits, job.method, job.threads
-    )
+    return Evaluator(job.characteristics, job.mesh, job.setup, job.method, job.threads)
 
 
-def candidate_grid(inspection: Inspection, dimensions: Sequence[Dimension]) -> CandidateGrid:
-    """The candidates that an inspection samples to measure some dimensions."""
-    points = GaugeTable.of(dimensions).points
+def candidate_grid(inspection: Inspection, characteristics: Sequence[Characteristic]) -> CandidateGrid:
+    """The candidates that an inspection samples to measure some characteristics."""
+    points = MeasurandTable.of(characteristics).points
     return CandidateGrid(points, inspection.part.mesh, inspection.camera, inspection.candidates, inspection.seed)
 
 
-def reachable(inspection: Inspection, dimensions: Sequence[Dimension]) -> ExplicitSettings:
-    """The explicit settings that stand where box, hemisphere, forbidden boxes and standoff allow it.
+def reachable(inspection: Inspection, characteristics: Sequence[Characteristic]) -> ExplicitViewpoints:
+    """The explicit viewpoints that stand where box, hemisphere, forbidden boxes and standoff allow it.
 
-    Distance and cone say how settings are sampled; given ones are not asked for them.
+    Distance and cone say how viewpoints are sampled; given ones are not asked for them.
     """
-    settings, options = inspection.settings, inspection.candidates
-    assert settings is not None  # the caller's condition
+    viewpoints, options = inspection.viewpoints, inspection.candidates
+    assert viewpoints is not None  # the caller's condition
     if not options.bounded:
-        return settings
-    ends = GaugeTable.of(dimensions).points.reshape(-1, 3)
+        return viewpoints
+    ends = MeasurandTable.of(characteristics).points.reshape(-1, 3)
     region = options.region((ends.min(axis=0) + ends.max(axis=0))[None] / 2, (0.0, np.inf), inspection.part.mesh)
-    eyes = settings.T_part_camera[:, :3, 3]
+    eyes = viewpoints.T_part_camera[:, :3, 3]
     stays = region.in_reach(eyes)
     if options.standoff_mm is not None:
         stays &= ~region.too_near(eyes)
     if not stays.any():
         raise NoCandidateError(
-            f"no candidate setting is left: all {len(settings)} of the settings file stand where the box, the "
+            f"no candidate viewpoint is left: all {len(viewpoints)} of the viewpoints file stand where the box, the "
             "hemisphere, a forbidden box or the standoff of candidates does not allow it"
         )
     if not stays.all():
-        _log.info("%d of %d explicit settings stand where candidates does not allow it", (~stays).sum(), len(stays))
+        _log.info("%d of %d explicit viewpoints stand where candidates does not allow it", (~stays).sum(), len(stays))
     rows = np.flatnonzero(stays)
-    return ExplicitSettings(tuple(settings.ids[k] for k in rows), settings.T_part_camera[rows])
+    return ExplicitViewpoints(tuple(viewpoints.ids[k] for k in rows), viewpoints.T_part_camera[rows])
 
 
-def chunks_of(source: SettingSource, size: int) -> list[Chunk]:
-    """The source in chunks of ``size`` settings."""
+def chunks_of(source: ViewpointSource, size: int) -> list[Chunk]:
+    """The source in chunks of ``size`` viewpoints."""
     return [(first, min(first + size, len(source))) for first in range(0, len(source), size)]
 
 
-def require_chunk_size(settings: int) -> None:
-    """Raise InputError unless a chunk can have this many settings."""
-    if isinstance(settings, bool) or not isinstance(settings, int | np.integer) or settings < 1:
+def require_chunk_size(viewpoints: int) -> None:
+    """Raise InputError unless a chunk can have this many viewpoints."""
+    if isinstance(viewpoints, bool) or not isinstance(viewpoints, int | np.integer) or viewpoints < 1:
         raise InputError(
-            "not a number of settings", key="chunk", got=repr(settings), expected="a whole number from 1 on"
+            "not a number of viewpoints", key="chunk", got=repr(viewpoints), expected="a whole number from 1 on"
         )
 
 
 def accepted_chunk(job: EvaluationJob, chunk: Chunk) -> Undominated:
-    """Of a chunk's settings those that a cover may need."""
+    """Of a chunk's viewpoints those that a cover may need."""
     accepted = evaluator_of(job).accepted(job.source.poses(*chunk))
-    level = probability_levels(accepted.probability, job.requirement.probability, len(job.source))
+    level = probability_levels(accepted.probability, job.setup.requirement.probability, len(job.source))
     some = np.flatnonzero(level.any(axis=1))
-    kept = Undominated(len(job.dimensions))
+    kept = Undominated(len(job.characteristics))
     kept.add(chunk[0] + some, level[some], accepted.certain[some])
     return kept
 
 
 def best_chunk(job: EvaluationJob, chunk: Chunk) -> BestRows:
-    """The best of a chunk's settings for each dimension."""
+    """The best of a chunk's viewpoints for each characteristic."""
     table, index = evaluator_of(job).table(job.source.poses(*chunk)), np.arange(*chunk)
     return BestRows.of(job.corrections.applied(table, index), index)
 
@@ -219,9 +215,9 @@ class TableJob:
     Parameters
     ----------
     precision, seed
-        With ``precision`` the exact camera judges each visible pair.
+        With ``precision`` the full camera model judges each visible pair.
     columns
-        Names of the columns wanted; none to keep only the best of each dimension.
+        Names of the columns wanted; none to keep only the best of each characteristic.
     writer
         What writes a chunk from any process; None to give it back.
     """
@@ -234,7 +230,9 @@ class TableJob:
 
 
 def table_chunk(job: TableJob, chunk: Chunk) -> tuple[BestRows, dict[str, NDArray[np.generic]]]:
-    """The best of a chunk's settings for each dimension, and the columns of its table if nobody else writes them."""
+    """The best of a chunk's viewpoints for each characteristic, and the columns of its table if nobody else writes
+    them.
+    """
     evaluation = job.evaluation
     poses = evaluation.source.poses(*chunk)
     table = evaluator_of(evaluation).table(poses)
@@ -243,7 +241,7 @@ def table_chunk(job: TableJob, chunk: Chunk) -> tuple[BestRows, dict[str, NDArra
         table, low, high = simulated(table, poses, evaluation, job.precision, job.seed)
         extra = {"probability_low": low, "probability_high": high}
     best = BestRows.of(table, np.arange(*chunk))
-    accepted = table.visible & (table.probability >= evaluation.requirement.probability)
+    accepted = table.visible & (table.probability >= evaluation.setup.requirement.probability)
     own = {"visible": table.visible, "accepted": accepted, **extra}
     values = {name: own[name] if name in own else getattr(table, name) for name in job.columns}
     if job.writer is None:
@@ -255,7 +253,9 @@ def table_chunk(job: TableJob, chunk: Chunk) -> tuple[BestRows, dict[str, NDArra
 def simulated(
     table: TableBlock, poses: NDArray[np.float64], job: EvaluationJob, precision: float, seed: int
 ) -> tuple[TableBlock, NDArray[np.float64], NDArray[np.float64]]:
-    """The table with the exact camera's probability and expected accuracy of visible pairs, and the intervals' ends."""
+    """The table with the full camera model's probability and expected accuracy of visible pairs, and the intervals'
+    ends.
+    """
     probability, accuracy = table.probability.copy(), table.expected_accuracy.copy()
     low, high = np.zeros(probability.shape), np.zeros(probability.shape)
     pairs = np.argwhere(table.visible)
@@ -275,22 +275,22 @@ def simulate_pairs(
     job: EvaluationJob,
     precision: float,
     seed: int,
-) -> ExactEstimates:
-    """The exact camera's word on visible pairs ``(n, 2)`` of a table: indices of setting and dimension."""
+) -> FullModelEstimates:
+    """The full camera model's word on visible pairs ``(n, 2)`` of a table: indices of viewpoint and characteristic."""
     from ..simulation import estimate_success_probabilities
 
-    setting, dimension = pairs.T
-    gauges = [job.dimensions[j].gauges[table.gauge[k, j]] for k, j in pairs]
-    ends = np.array([(gauge.start, gauge.end) for gauge in gauges])
-    points = transform(invert(poses[setting])[:, None], ends)
+    viewpoint, characteristic = pairs.T
+    measurands = [job.characteristics[j].measurands[table.measurand[k, j]] for k, j in pairs]
+    ends = np.array([(measurand.start, measurand.end) for measurand in measurands])
+    points = transform(invert(poses[viewpoint])[:, None], ends)
     return estimate_success_probabilities(
         points[:, 0],
         points[:, 1],
-        job.camera,
-        job.head,
-        table.relative_tolerance[setting, dimension],
+        job.setup.camera,
+        job.setup.pose_error,
+        table.relative_tolerance[viewpoint, characteristic],
         precision=precision,
         confidence=CONFIDENCE,
         seed=seed,
-        rim_axis=rim_axes(gauges, poses[setting]),
+        rim_axis=rim_axes(measurands, poses[viewpoint]),
     )

@@ -3,7 +3,7 @@
 What all chunks share travels as a worker plugin: Dask's scheduler keeps it and gives it once to each worker, to those
 also that join later or replace a lost one. (Scattered data is lost with the workers that hold it.) When a worker is
 lost, Dask runs its chunks again elsewhere. A chunk whose workers were lost more than ``allowed-failures`` times
-(Dask's setting; 1 in a cluster started here, 3 by default) may be what kills them, or may have waited behind the one
+(Dask's viewpoint; 1 in a cluster started here, 3 by default) may be what kills them, or may have waited behind the one
 that does: it is set aside until all others are done, and run once more with nothing beside it. If its workers are
 lost again, it is to blame, and named when the others have had their turn, or two more are to blame.
 """
@@ -42,14 +42,14 @@ _CONNECT_S = 5.0
 _FIRST_WORKER_S = 30.0
 _ALL_LOST_S = 300.0  # without any worker, after which the job is given up
 _COMMON_S = 120.0  # for what is common to arrive at a worker that joined
-_LOOK_S = 1.0  # between two looks at how many workers there are
+_ACQUISITION_S = 1.0  # between two looks at how many workers there are
 _RETRY_S = 0.2
 _DELIVER_S = 60.0  # to give the workers what is common, while some of them are being lost
 _GUILTY = 3  # items that end their workers, after which no more are tried
 _AHEAD = 2  # chunks under way for each thread of the workers: one runs, one waits
 _QUIET = ("distributed", "distributed.client", "distributed.nanny", "distributed.scheduler", "distributed.worker")
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_LOCAL_SETTINGS = {
+_LOCAL_VIEWPOINTS = {
     "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, "1"),
     "distributed.scheduler.allowed-failures": 1,
     "distributed.scheduler.http.routes": [],
@@ -68,7 +68,7 @@ def local(workers: int) -> Iterator[Cluster]:
     """
     with ExitStack() as stack:
         stack.enter_context(_quiet())
-        stack.enter_context(dask.config.set(_LOCAL_SETTINGS))
+        stack.enter_context(dask.config.set(_LOCAL_VIEWPOINTS))
         with _interrupts_wait():
             try:
                 cluster = distributed.LocalCluster(
@@ -247,7 +247,7 @@ class _Job(Generic[Item]):
                 outcomes = self._outcomes()
             if outcomes is None:
                 if self._guilty:
-                    raise self._told()
+                    raise self._reported()
                 return
             for index, error, traceback, result in outcomes:
                 if error is None:
@@ -281,7 +281,7 @@ class _Job(Generic[Item]):
 
     def _send(self) -> bool:
         """Send as many chunks as the workers are ready for; whether any is under way."""
-        self._look()
+        self._acquisition()
         while len(self._under_way) < _AHEAD * self._threads:
             index = next(self._waiting, None)
             if index is None:
@@ -300,12 +300,12 @@ class _Job(Generic[Item]):
     def _done(self) -> list[Any]:
         """Futures that are done: at least one, unless there was none for a while."""
         with suppress(distributed.TimeoutError), self._client.as_current():
-            distributed.wait(list(self._under_way), timeout=_LOOK_S, return_when="FIRST_COMPLETED")
+            distributed.wait(list(self._under_way), timeout=_ACQUISITION_S, return_when="FIRST_COMPLETED")
         return [future for future in self._under_way if future.done()]
 
-    def _look(self) -> None:
+    def _acquisition(self) -> None:
         now = time.monotonic()
-        if now - self._looked < _LOOK_S:
+        if now - self._looked < _ACQUISITION_S:
             return
         threads = sum(self._client.nthreads().values())
         self._looked, self._threads = now, max(threads, 1)
@@ -321,9 +321,9 @@ class _Job(Generic[Item]):
             return
         self._guilty.append(index)
         if len(self._guilty) == _GUILTY:
-            raise self._told()
+            raise self._reported()
 
-    def _told(self) -> ViewgaugeError:
+    def _reported(self) -> ViewgaugeError:
         first, others = self._guilty[0], len(self._guilty) - 1
         rest = f"so did {others} others" if others else "all others are done"
         return ViewgaugeError(
@@ -400,8 +400,8 @@ def _require_equals(client: distributed.Client, scheduler: str) -> None:
         if isinstance(version, OSError):  # lost meanwhile
             continue
         if version != _version():
-            told = "none" if isinstance(version, metadata.PackageNotFoundError) else str(version)
-            raise _other_version(_version(), f"{place}: {told}")
+            reported = "none" if isinstance(version, metadata.PackageNotFoundError) else str(version)
+            raise _other_version(_version(), f"{place}: {reported}")
 
 
 def _other_version(expected: str, got: str) -> InputError:

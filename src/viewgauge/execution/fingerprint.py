@@ -9,8 +9,8 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
-from ..part.measurand_table import GaugeTable
-from ..planning.inspection import ExplicitSettings, Inspection
+from ..part.measurand_table import MeasurandTable
+from ..planning.inspection import ExplicitViewpoints, Inspection
 from .chunks import EvaluationJob
 
 __all__ = ["job_fingerprint"]
@@ -24,25 +24,32 @@ def job_fingerprint(inspection: Inspection, job: EvaluationJob, *more: object) -
     more
         What else they depend on; told apart by ``repr``.
     """
-    said = [version("viewgauge"), job.method, inspection.seed, sorted(inspection.inputs.items()), job.camera]
-    said += [job.requirement, job.limits, inspection.candidates, len(job.source), job.mesh.chord_error_mm, more]
-    said += [inspection.looks, job.head.common_covariance is not None]
-    said += [(d.id, d.nominal_mm, d.tolerance_mm, len(d.gauges)) for d in job.dimensions]
+    said = [version("viewgauge"), job.method, inspection.seed, sorted(inspection.inputs.items()), job.setup.camera]
+    said += [
+        job.setup.requirement,
+        job.setup.limits,
+        inspection.candidates,
+        len(job.source),
+        job.mesh.chord_error_mm,
+        more,
+    ]
+    said += [inspection.averaged_viewpoints, job.setup.pose_error.common_covariance is not None]
+    said += [(d.id, d.nominal_mm, d.tolerance_mm, len(d.measurands)) for d in job.characteristics]
     digest = hashlib.sha256(repr(said).encode())
     for array in _arrays(job):
         digest.update(repr(array.shape).encode())
         digest.update(array.tobytes())
-    if isinstance(job.source, ExplicitSettings):
+    if isinstance(job.source, ExplicitViewpoints):
         digest.update("\n".join(job.source.ids).encode())
     return digest.hexdigest()
 
 
 def _arrays(job: EvaluationJob) -> Iterator[NDArray[np.generic]]:
-    gauges = GaugeTable.of(job.dimensions)
-    yield from (gauges.points, gauges.normals, gauges.whole)
+    measurands = MeasurandTable.of(job.characteristics)
+    yield from (measurands.points, measurands.normals, measurands.whole)
     yield from (job.mesh.vertices, job.mesh.triangles)
-    yield from (job.head.covariance, np.asarray(job.head.T_camera_head, dtype=float))
-    if job.head.common_covariance is not None:
-        yield job.head.common_covariance
-    if isinstance(job.source, ExplicitSettings):
+    yield from (job.setup.pose_error.covariance, np.asarray(job.setup.pose_error.T_camera_frame, dtype=float))
+    if job.setup.pose_error.common_covariance is not None:
+        yield job.setup.pose_error.common_covariance
+    if isinstance(job.source, ExplicitViewpoints):
         yield job.source.T_part_camera

@@ -1,4 +1,4 @@
-"""Poses, the camera and its lens, the pose error of the head and its effect on image points."""
+"""Poses, the camera and its lens, the pose error and its effect on image points."""
 
 from .image_jacobian import point_jacobian
 from .lens import Lens

@@ -1,4 +1,4 @@
-"""The pose error of the head that carries the camera."""
+"""The pose error that carries the camera."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ class PoseError:
     """A normally distributed small error of the head's pose (paper, eq. 6 and 9).
 
     A point of the scene, seen from the head, moves by ``delta x q + d`` where q is its position from the head
-    frame's origin: (d, delta) is a perturbation on the left, in the head frame.
+    frame's origin: (d, delta) is a perturbation on the left, in the pose error frame.
 
     Parameters
     ----------
     covariance
-        ``(6, 6)`` covariance of [x, y, z, rx, ry, rz], mm and rad, translation first, head frame, left
+        ``(6, 6)`` covariance of [x, y, z, rx, ry, rz], mm and rad, translation first, pose error frame, left
         perturbation.
     pivot_mm
-        ``(3,)`` mm: origin of the head frame in the camera frame, axes parallel to the camera's.
-    T_camera_head
-        ``(4, 4)`` full pose of the head frame in the camera frame, in place of ``pivot_mm``.
+        ``(3,)`` mm: origin of the pose error frame in the camera frame, axes parallel to the camera's.
+    T_camera_frame
+        ``(4, 4)`` full pose of the pose error frame in the camera frame, in place of ``pivot_mm``.
     common_covariance
-        ``(6, 6)``: the part of ``covariance`` that is the same error at every look (calibration, hand-eye), same
-        frame and order; None where nothing is said of it. What it leaves is drawn anew at each look.
+        ``(6, 6)``: the part of ``covariance`` that is the same error at every acquisition (calibration, hand-eye), same
+        frame and order; None where nothing is said of it. What it leaves is drawn anew at each acquisition.
 
     Raises
     ------
@@ -45,7 +45,7 @@ class PoseError:
 
     covariance: NDArray[np.float64]
     pivot_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    T_camera_head: NDArray[np.float64] | None = field(default=None)
+    T_camera_frame: NDArray[np.float64] | None = field(default=None)
     common_covariance: NDArray[np.float64] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -54,19 +54,19 @@ class PoseError:
             common = _require_covariance(self.common_covariance, "common covariance")
             _require_part(common, self.covariance)
             object.__setattr__(self, "common_covariance", common)
-        if self.T_camera_head is not None:
+        if self.T_camera_frame is not None:
             if tuple(self.pivot_mm) != (0.0, 0.0, 0.0):
-                raise InputError("give pivot_mm or T_camera_head, not both")
-            pose = require_poses(self.T_camera_head, "T_camera_head")
+                raise InputError("give pivot_mm or T_camera_frame, not both")
+            pose = require_poses(self.T_camera_frame, "T_camera_frame")
             if pose.shape != (4, 4):
-                raise InputError("T_camera_head must be one 4x4 matrix", got=f"shape {pose.shape}")
+                raise InputError("T_camera_frame must be one 4x4 matrix", got=f"shape {pose.shape}")
         else:
             pivot = np.asarray(self.pivot_mm, dtype=float)
             if pivot.shape != (3,) or not np.isfinite(pivot).all():
                 raise InputError("pivot_mm must be three finite numbers", got=self.pivot_mm)
             pose = np.eye(4)
             pose[:3, 3] = pivot
-        object.__setattr__(self, "T_camera_head", pose)
+        object.__setattr__(self, "T_camera_frame", pose)
 
     @classmethod
     def from_standard_deviations(
@@ -75,7 +75,7 @@ class PoseError:
         rotation_rad: ArrayLike,
         *,
         pivot_mm: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        T_camera_head: NDArray[np.float64] | None = None,
+        T_camera_frame: NDArray[np.float64] | None = None,
     ) -> PoseError:
         """Independent errors with one or three standard deviations for translation (mm) and rotation (rad)."""
         deviations = np.empty(6)
@@ -87,25 +87,27 @@ class PoseError:
             if given.shape not in ((), (3,)) or not np.isfinite(given).all() or (given < 0).any():
                 raise InputError(f"{name} must be one or three standard deviations, finite and not negative", got=value)
             deviations[part] = given
-        return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_head=T_camera_head)
+        return cls(np.diag(deviations**2), pivot_mm=pivot_mm, T_camera_frame=T_camera_frame)
 
     @property
     def repeatability_covariance(self) -> NDArray[np.float64] | None:
-        """``(6, 6)``, head frame: what is drawn anew at each look; None where the common part is not stated."""
+        """``(6, 6)``, pose error frame: what is drawn anew at each acquisition; None where the common part is not
+        stated.
+        """
         return None if self.common_covariance is None else self.covariance - self.common_covariance
 
     @property
     def adjoint(self) -> NDArray[np.float64]:
-        """``(6, 6)``: a pose error in the head frame as it acts at the centre of projection, camera frame.
+        """``(6, 6)``: a pose error in the pose error frame as it acts at the centre of projection, camera frame.
 
-        [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_head``: the adjoint of the pose, for
+        [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_frame``: the adjoint of the pose, for
         translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
         """
-        assert self.T_camera_head is not None  # set in __post_init__
-        R = self.T_camera_head[:3, :3]
+        assert self.T_camera_frame is not None  # set in __post_init__
+        R = self.T_camera_frame[:3, :3]
         adjoint = np.zeros((6, 6))
         adjoint[:3, :3] = adjoint[3:, 3:] = R
-        adjoint[:3, 3:] = skew(self.T_camera_head[:3, 3]) @ R
+        adjoint[:3, 3:] = skew(self.T_camera_frame[:3, 3]) @ R
         return adjoint
 
     @property
@@ -115,7 +117,7 @@ class PoseError:
 
     @property
     def factor(self) -> NDArray[np.float64]:
-        """``(6, 6)`` F with ``F F^T`` the covariance: F z is a pose error, head frame, of six unit normals z.
+        """``(6, 6)`` F with ``F F^T`` the covariance: F z is a pose error, pose error frame, of six unit normals z.
 
         Its columns are mm (rows 0 to 2) and rad (rows 3 to 5) per unit normal.
         """
@@ -143,7 +145,7 @@ def _require_part(common: NDArray[np.float64], covariance: NDArray[np.float64]) 
             "the common covariance is more than the covariance of which it is a part",
             key="common_covariance",
             got=f"smallest eigenvalue of what it leaves {smallest:.3g}, in units of the whole's variances",
-            expected="covariance = common + what is drawn anew at each look, both without negative eigenvalue",
+            expected="covariance = common + what is drawn anew at each acquisition, both without negative eigenvalue",
         )
 
 

@@ -1,4 +1,4 @@
-"""The error budget and the gauge's figures of every dimension of a plan."""
+"""The error budget and the capability figures of every characteristic of a plan."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import GaugeFigures, gauge_figures, image_segment, spread_mm
+from ..evaluation import CapabilityFigures, capability_figures, image_segment, spread_mm
 from ..evaluation.error_budget import ErrorBudget, averaged_error_budget, error_budget
 from ..evaluation.requirement.capability_indices import SIGMAS
 from ..geometry import invert, transform
-from ..part import Dimension
+from ..part import Characteristic
 from ..part.characteristic import rim_axes
-from ..planning import Plan, PlannedDimension
+from ..planning import Plan, PlannedCharacteristic
 from ..planning.inspection import Inspection
 
-__all__ = ["error_budgets", "figures_of_gauges"]
+__all__ = ["capability_of_characteristics", "error_budgets"]
 
 
 def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
-    """What causes the uncertainty of each dimension of a plan, at first order.
+    """What causes the uncertainty of each characteristic of a plan, at first order.
 
-    Of a dimension that is not met at the best pose that was tried; of one that is averaged of the mean of its looks.
-    Dimensions that are seen from nowhere, or cannot be measured, have none.
+    Of a characteristic that is not met at the best pose that was tried; of one that is averaged of the mean of its
+    acquisitions. Characteristics that are seen from nowhere, or cannot be measured, have none.
 
     Parameters
     ----------
@@ -32,32 +32,42 @@ def error_budgets(inspection: Inspection, plan: Plan) -> dict[str, ErrorBudget]:
 
     Returns
     -------
-    By the dimension's id; each of one segment, so its arrays have the shapes that
+    By the characteristic's id; each of one segment, so its arrays have the shapes that
     :class:`~viewgauge.evaluation.error_budget.ErrorBudget` states without leading axes.
     """
-    camera, head = inspection.camera, inspection.head
-    of_part = {dimension.id: dimension for dimension in inspection.part.dimensions}
-    poses = {setting.id: setting.T_part_camera for setting in plan.settings}
+    camera, pose_error = inspection.camera, inspection.pose_error
+    of_part = {characteristic.id: characteristic for characteristic in inspection.part.characteristics}
+    poses = {viewpoint.id: viewpoint.T_part_camera for viewpoint in plan.viewpoints}
     found = {}
-    for dimension in plan.dimensions:
-        if dimension.looks:
-            points = np.array([transform(invert(poses[look.setting]), look.gauge) for look in dimension.looks])
-            axes = np.array(
-                [_rim_axis(of_part[dimension.id], look.gauge, poses[look.setting]) for look in dimension.looks]
+    for characteristic in plan.characteristics:
+        if characteristic.acquisitions:
+            points = np.array(
+                [
+                    transform(invert(poses[acquisition.viewpoint]), acquisition.measurand)
+                    for acquisition in characteristic.acquisitions
+                ]
             )
-            found[dimension.id] = averaged_error_budget(points, camera, head, dimension.allowed_error_mm, axes)
-        elif dimension.T_part_camera is not None and dimension.gauge is not None:
-            start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
-            tolerance = dimension.allowed_error_mm / float(np.linalg.norm(end - start))
-            axis = _rim_axis(of_part[dimension.id], dimension.gauge, dimension.T_part_camera)
-            found[dimension.id] = error_budget(start, end, camera, head, tolerance, axis)
+            axes = np.array(
+                [
+                    _rim_axis(of_part[characteristic.id], acquisition.measurand, poses[acquisition.viewpoint])
+                    for acquisition in characteristic.acquisitions
+                ]
+            )
+            found[characteristic.id] = averaged_error_budget(
+                points, camera, pose_error, characteristic.allowed_error_mm, axes
+            )
+        elif characteristic.T_part_camera is not None and characteristic.measurand is not None:
+            start, end = transform(invert(characteristic.T_part_camera), characteristic.measurand)
+            tolerance = characteristic.allowed_error_mm / float(np.linalg.norm(end - start))
+            axis = _rim_axis(of_part[characteristic.id], characteristic.measurand, characteristic.T_part_camera)
+            found[characteristic.id] = error_budget(start, end, camera, pose_error, tolerance, axis)
     return found
 
 
-def figures_of_gauges(
+def capability_of_characteristics(
     inspection: Inspection, plan: Plan, budgets: Mapping[str, ErrorBudget] | None = None
-) -> dict[str, GaugeFigures]:
-    """Expanded uncertainty, %P/T, Cg, Cgk, TUR and risks of the same dimensions, by id.
+) -> dict[str, CapabilityFigures]:
+    """Expanded uncertainty, %P/T, Cg, Cgk, TUR and risks of the same characteristics, by id.
 
     Parameters
     ----------
@@ -65,22 +75,22 @@ def figures_of_gauges(
         Of the plan, where they are known already.
     """
     found = {}
-    of_plan = {dimension.id: dimension for dimension in plan.dimensions}
+    of_plan = {characteristic.id: characteristic for characteristic in plan.characteristics}
     for name, budget in (error_budgets(inspection, plan) if budgets is None else budgets).items():
-        dimension, u = of_plan[name], float(budget.combined_uncertainty_mm)
+        characteristic, u = of_plan[name], float(budget.combined_uncertainty_mm)
         if u > 0:
-            half = None if dimension.looks else _spread_mm(inspection, dimension)
-            found[name] = gauge_figures(u, dimension.tolerance_mm, inspection.requirement, half)
+            half = None if characteristic.acquisitions else _spread_mm(inspection, characteristic)
+            found[name] = capability_figures(u, characteristic.tolerance_mm, inspection.requirement, half)
     return found
 
 
-def _spread_mm(inspection: Inspection, dimension: PlannedDimension) -> float:
-    """Half the width of the interval that stands for the spread of the errors of one look."""
-    assert dimension.T_part_camera is not None and dimension.gauge is not None  # noqa: PT018  # it has a budget
-    start, end = transform(invert(dimension.T_part_camera), dimension.gauge)
-    of_part = {d.id: d for d in inspection.part.dimensions}[dimension.id]
-    axis = _rim_axis(of_part, dimension.gauge, dimension.T_part_camera)
-    image = image_segment(start, end, inspection.camera, inspection.head, rim_axis=axis)
+def _spread_mm(inspection: Inspection, characteristic: PlannedCharacteristic) -> float:
+    """Half the width of the interval that stands for the spread of the errors of one acquisition."""
+    assert characteristic.T_part_camera is not None and characteristic.measurand is not None  # noqa: PT018  # it has a budget
+    start, end = transform(invert(characteristic.T_part_camera), characteristic.measurand)
+    of_part = {d.id: d for d in inspection.part.characteristics}[characteristic.id]
+    axis = _rim_axis(of_part, characteristic.measurand, characteristic.T_part_camera)
+    image = image_segment(start, end, inspection.camera, inspection.pose_error, rim_axis=axis)
     angle = float(image.angle_rad)
     px_per_mm = np.linalg.norm(np.array([np.cos(angle), np.sin(angle)]) / np.asarray(inspection.camera.pixel_pitch_mm))
     return spread_mm(
@@ -95,7 +105,7 @@ def _spread_mm(inspection: Inspection, dimension: PlannedDimension) -> float:
 
 
 def _rim_axis(
-    dimension: Dimension, gauge: NDArray[np.float64], T_part_camera: NDArray[np.float64]
+    characteristic: Characteristic, measurand: NDArray[np.float64], T_part_camera: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """``(3,)``, camera frame: the axis of the rim that a gauge ``(2, 3)`` is a diameter of; zeros where of none."""
-    return np.asarray(rim_axes([dimension.gauge_at(gauge)], T_part_camera[None])[0])
+    """``(3,)``, camera frame: the axis of the rim that a measurand ``(2, 3)`` is a diameter of; zeros where of none."""
+    return np.asarray(rim_axes([characteristic.measurand_at(measurand)], T_part_camera[None])[0])

@@ -1,4 +1,4 @@
-"""From samples of a head's pose error to the covariance file that a plan reads."""
+"""From samples of a pose error to the covariance file that a plan reads."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..formats.poses.board_views_file import is_board_file, read_board_views
 from ..formats.poses.covariance_file import write_covariance
 from ..formats.poses.pose_samples_file import SampleFile, read_pose_samples
 from ..geometry import Lens, invert, quaternion_from_pose
-from ..measurement import HeadCharacter, PoseSamples, characterize_head, small_sample_factor
+from ..measurement import PoseErrorEstimate, PoseSamples, estimate_pose_error, small_sample_factor
 from ..measurement.pose.board import Intrinsics
 from ..measurement.pose.robot_calibration import RobotCalibration
 
@@ -28,7 +28,7 @@ __all__ = [
     "characterize",
     "describe_characterization",
     "write_calibration",
-    "write_head",
+    "write_covariance_of",
 ]
 
 _INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2")
@@ -45,7 +45,7 @@ class Characterization:
         SHA-256 of the file, by its name.
     """
 
-    head: HeadCharacter
+    pose_error: PoseErrorEstimate
     samples: int
     kind: str
     inputs: dict[str, str]
@@ -79,7 +79,7 @@ class BoardCalibration:
 
 
 def characterize(samples: str | PathLike[str], *, progress: Progress | None = None) -> Characterization:
-    """Covariance, mean, confidence and normality of a head's pose error.
+    """Covariance, mean, confidence and normality of a pose error.
 
     Of images of a board the error of each view is that of a calibration of camera and robot which has not seen it.
 
@@ -102,8 +102,8 @@ def characterize(samples: str | PathLike[str], *, progress: Progress | None = No
     else:
         file = read_pose_samples(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    head = characterize_head(file.samples, file.groups)
-    return Characterization(head, len(file.samples.errors), file.kind, {path.name: digest}, board)
+    pose_error = estimate_pose_error(file.samples, file.groups)
+    return Characterization(pose_error, len(file.samples.errors), file.kind, {path.name: digest}, board)
 
 
 def _from_board(path: Path) -> tuple[SampleFile, BoardCalibration]:
@@ -120,8 +120,8 @@ def _from_board(path: Path) -> tuple[SampleFile, BoardCalibration]:
     return SampleFile(samples, kind), board
 
 
-def write_head(character: Characterization, path: str | PathLike[str], *, with_mean: bool = False) -> None:
-    """Write the covariance file that ``head.covariance`` of an inspection names.
+def write_covariance_of(character: Characterization, path: str | PathLike[str], *, with_mean: bool = False) -> None:
+    """Write the covariance file that ``pose_uncertainty.covariance`` of an inspection names.
 
     Parameters
     ----------
@@ -129,9 +129,9 @@ def write_head(character: Characterization, path: str | PathLike[str], *, with_m
         The systematic part is not taken away by calibration: it counts as if it were drawn anew (second moment about
         zero).
     """
-    head = character.head
-    covariance = head.second_moment if with_mean else head.covariance
-    write_covariance(path, covariance, head.degrees_of_freedom, head.mean, character.inputs)
+    pose_error = character.pose_error
+    covariance = pose_error.second_moment if with_mean else pose_error.covariance
+    write_covariance(path, covariance, pose_error.degrees_of_freedom, pose_error.mean, character.inputs)
 
 
 def write_calibration(character: Characterization, path: str | PathLike[str]) -> None:
@@ -158,30 +158,32 @@ def write_calibration(character: Characterization, path: str | PathLike[str]) ->
 
 def describe_characterization(character: Characterization) -> dict[str, Any]:
     """As JSON-ready data: mm and rad; what is not defined is null."""
-    head = character.head
+    pose_error = character.pose_error
     return {
         "inputs": character.inputs,
         "kind": character.kind,
         "samples": character.samples,
-        "degrees_of_freedom": head.degrees_of_freedom,
-        "covariance": head.covariance.tolist(),
+        "degrees_of_freedom": pose_error.degrees_of_freedom,
+        "covariance": pose_error.covariance.tolist(),
         "axes": [
             {
                 "axis": axis,
-                "standard_deviation": float(head.deviation[k]),
-                "standard_deviation_interval": head.deviation_interval[k].tolist(),
-                "mean": float(head.mean[k]),
-                "mean_interval": head.mean_interval[k].tolist(),
-                "normality_p": float(head.normality[k]),
-                "noise_share": None if head.noise_share is None else float(head.noise_share[k]),
+                "standard_deviation": float(pose_error.deviation[k]),
+                "standard_deviation_interval": pose_error.deviation_interval[k].tolist(),
+                "mean": float(pose_error.mean[k]),
+                "mean_interval": pose_error.mean_interval[k].tolist(),
+                "normality_p": float(pose_error.normality[k]),
+                "noise_share": None if pose_error.noise_share is None else float(pose_error.noise_share[k]),
             }
             for k, axis in enumerate(_AXES)
         ],
-        "correlation": (head.covariance / np.outer(_safe(head.deviation), _safe(head.deviation))).tolist(),
-        "skewness_p": None if np.isnan(head.skewness_p) else head.skewness_p,
-        "kurtosis_p": None if np.isnan(head.kurtosis_p) else head.kurtosis_p,
-        "outliers": list(head.outliers),
-        "factor_at_95": small_sample_factor(head.degrees_of_freedom, 0.95),
+        "correlation": (
+            pose_error.covariance / np.outer(_safe(pose_error.deviation), _safe(pose_error.deviation))
+        ).tolist(),
+        "skewness_p": None if np.isnan(pose_error.skewness_p) else pose_error.skewness_p,
+        "kurtosis_p": None if np.isnan(pose_error.kurtosis_p) else pose_error.kurtosis_p,
+        "outliers": list(pose_error.outliers),
+        "factor_at_95": small_sample_factor(pose_error.degrees_of_freedom, 0.95),
         "board": None if character.board is None else _board_document(character.board),
     }
 

@@ -11,8 +11,8 @@ __all__ = ["check"]
 
 
 def check(inspection: Inspection) -> dict[str, Any]:
-    """What an inspection holds, as plain data: the part, its dimensions, and what cannot be measured and why."""
-    judged, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    """What an inspection holds, as plain data: the part, its characteristics, and what cannot be measured and why."""
+    judged, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
     low, high = inspection.part.mesh.bounds
     return {
         "part": {
@@ -23,18 +23,18 @@ def check(inspection: Inspection) -> dict[str, Any]:
             "chord_error_mm": inspection.part.mesh.chord_error_mm,
             "notes": list(inspection.part.notes),
         },
-        "dimensions": [
+        "characteristics": [
             {
-                "id": dimension.id,
-                "kind": dimension.kind,
-                "nominal_mm": dimension.nominal_mm,
-                "tolerance_mm": list(dimension.tolerance_mm) if dimension.tolerance_mm else None,
+                "id": characteristic.id,
+                "kind": characteristic.kind,
+                "nominal_mm": characteristic.nominal_mm,
+                "tolerance_mm": list(characteristic.tolerance_mm) if characteristic.tolerance_mm else None,
                 "allowed_error_mm": inspection.requirement.allowed_error_mm(
-                    dimension.nominal_mm, dimension.tolerance_mm
+                    characteristic.nominal_mm, characteristic.tolerance_mm
                 ),
-                "gauges": len(dimension.gauges),
+                "measurands": len(characteristic.measurands),
             }
-            for dimension in judged
+            for characteristic in judged
         ],
         "not_measurable": [
             {
@@ -43,7 +43,7 @@ def check(inspection: Inspection) -> dict[str, Any]:
                 "tolerance_mm": list(entry.tolerance_mm) if entry.tolerance_mm and entry.kind != "angle" else None,
                 "reason": entry.reason,
             }
-            for entry in (*inspection.part.unusable, *refused)
+            for entry in (*inspection.part.not_measurable, *refused)
         ],
         "inputs": dict(inspection.inputs),
     }

@@ -1,4 +1,4 @@
-"""Evaluate given settings: the table setting x dimension, in memory or chunk by chunk into a file."""
+"""Evaluate given viewpoints: the table viewpoint x characteristic, in memory or chunk by chunk into a file."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..exceptions import InputError, NoCandidateError
 from ..execution.chunks import (
     CONFIDENCE,
     DEFAULT_PRECISION,
-    SETTINGS_PER_CHUNK,
+    VIEWPOINTS_PER_CHUNK,
     EvaluationJob,
-    SettingSource,
     TableJob,
+    ViewpointSource,
     candidate_grid,
     chunks_of,
     evaluator_of,
@@ -30,11 +30,11 @@ from ..execution.chunks import (
 from ..execution.executor import Executor, InProcess
 from ..execution.fingerprint import job_fingerprint
 from ..execution.progress import Progress, Silent
-from ..formats.poses.viewpoints_file import read_settings
+from ..formats.poses.viewpoints_file import read_viewpoints
 from ..geometry import PoseError, require_poses
-from ..part import Dimension
+from ..part import Characteristic
 from ..planning import without_allowed_error
-from ..planning.inspection import ExplicitSettings, Inspection
+from ..planning.inspection import ExplicitViewpoints, Inspection
 from ..sensors import Camera
 from ..visibility import REASONS
 
@@ -43,12 +43,20 @@ if TYPE_CHECKING:
 
     from ..formats.tables.table_store import TableStore
 
-__all__ = ["Evaluation", "Method", "SettingsLike", "evaluate", "evaluate_into", "settings_of", "success_probability"]
+__all__ = [
+    "Evaluation",
+    "Method",
+    "ViewpointsLike",
+    "evaluate",
+    "evaluate_into",
+    "success_probability",
+    "viewpoints_of",
+]
 
 Method = Literal["joint", "independent", "monte-carlo"]
-SettingsLike = ExplicitSettings | str | PathLike[str] | ArrayLike | None
+ViewpointsLike = ExplicitViewpoints | str | PathLike[str] | ArrayLike | None
 
-_SIMULATED_PER_CHUNK = 32  # settings between two signs of progress
+_SIMULATED_PER_CHUNK = 32  # viewpoints between two signs of progress
 _OPTIONAL = ("validity", "probability_low", "probability_high")  # in files after the standard columns
 _NAMES = {"reason": REASONS, "validity": ("", *WARNINGS)}
 _FLAGS = ("visible", "accepted")
@@ -56,44 +64,44 @@ _FLAGS = ("visible", "accepted")
 
 def evaluate(
     inspection: Inspection,
-    settings: SettingsLike = None,
+    viewpoints: ViewpointsLike = None,
     *,
     method: Method = "joint",
     precision: float = DEFAULT_PRECISION,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """The table setting x dimension, in memory; :func:`evaluate_into` writes one of any length.
+    """The table viewpoint x characteristic, in memory; :func:`evaluate_into` writes one of any length.
 
     Parameters
     ----------
-    settings
-        A settings file (CSV), poses ``T_part_camera`` ``(n, 4, 4)`` mm, or None for those that the inspection
+    viewpoints
+        A viewpoints file (CSV), poses ``T_part_camera`` ``(n, 4, 4)`` mm, or None for those that the inspection
         file names.
     method
         "joint" (both ends share the pose error, the default), "independent" (the paper's), or "monte-carlo" (the
-        exact camera by randomised quasi-Monte Carlo, for each visible pair).
+        full camera model by randomised quasi-Monte Carlo, for each visible pair).
     precision
         With "monte-carlo": half-width of the 99 % confidence interval of each probability.
 
     Returns
     -------
-    Dataset over (setting, dimension) with the columns ``visible, reason, image_length_px, angle_rad,
+    Dataset over (viewpoint, characteristic) with the columns ``visible, reason, image_length_px, angle_rad,
     relative_tolerance, sigma_displacement_px, sigma_quantization_px, probability, expected_accuracy, accepted``
-    and ``gauge``, the index of the best gauge, and ``validity``, what makes the first-order probability doubtful;
-    with "monte-carlo" also the confidence interval ``probability_low, probability_high``.
+    and ``measurand``, the index of the best measurand, and ``validity``, what makes the first-order probability
+    doubtful; with "monte-carlo" also the confidence interval ``probability_low, probability_high``.
     """
     progress = progress or Silent()
-    chosen = settings_of(inspection, settings)
-    dimensions, job = _job(inspection, chosen, method, precision, None)
+    chosen = viewpoints_of(inspection, viewpoints)
+    characteristics, job = _job(inspection, chosen, method, precision, None)
     pieces: list[Mapping[str, NDArray[np.generic]]] = []
     with progress.stage(_stage(len(chosen), method, precision), len(chosen)) as advance:
-        for chunk in chunks_of(chosen, _chunk_size(method, SETTINGS_PER_CHUNK)):
+        for chunk in chunks_of(chosen, _chunk_size(method, VIEWPOINTS_PER_CHUNK)):
             pieces.append(table_chunk(job, chunk)[1])
             advance(chunk[1] - chunk[0])
     columns = {name: np.concatenate([piece[name] for piece in pieces]) for name in job.columns}
     evaluator = evaluator_of(job.evaluation)
     attrs = _attributes(inspection, method, precision)
-    return as_dataset(columns, chosen.ids, dimensions, evaluator.allowed_error_mm, attrs)
+    return as_dataset(columns, chosen.ids, characteristics, evaluator.allowed_error_mm, attrs)
 
 
 @dataclass(frozen=True)
@@ -102,30 +110,32 @@ class Evaluation:
 
     Parameters
     ----------
-    settings
-        Number of settings.
-    dimensions
+    viewpoints
+        Number of viewpoints.
+    characteristics
         Ids.
     best
-        The surest setting of each dimension, by index.
+        The most probable viewpoint of each characteristic, by index.
     required_probability
         From which on a pair is accepted.
     """
 
-    settings: int
-    setting_ids: Sequence[str]
-    dimensions: tuple[str, ...]
+    viewpoints: int
+    viewpoint_ids: Sequence[str]
+    characteristics: tuple[str, ...]
     best: BestRows
     required_probability: float
 
     def best_of_each(self) -> dict[str, dict[str, object]]:
-        """For each dimension its surest setting, as plain data: setting, visible, reason, probability, accepted."""
+        """For each characteristic its most probable viewpoint, as plain data: viewpoint, visible, reason, probability,
+        accepted.
+        """
         rows: dict[str, dict[str, object]] = {}
-        for j, name in enumerate(self.dimensions):
+        for j, name in enumerate(self.characteristics):
             values, visible = self.best.values, bool(self.best.values.visible[j])
             probability = float(values.probability[j])
             rows[name] = {
-                "setting": str(self.setting_ids[int(self.best.setting[j])]),
+                "viewpoint": str(self.viewpoint_ids[int(self.best.viewpoint[j])]),
                 "visible": visible,
                 "reason": REASONS[int(values.reason[j])],
                 "probability": probability,
@@ -139,7 +149,7 @@ class Evaluation:
 def evaluate_into(
     inspection: Inspection,
     path: str | PathLike[str] | None,
-    settings: SettingsLike = None,
+    viewpoints: ViewpointsLike = None,
     *,
     sampled: bool = False,
     columns: Sequence[str] | None = None,
@@ -147,25 +157,25 @@ def evaluate_into(
     precision: float = DEFAULT_PRECISION,
     progress: Progress | None = None,
     executor: Executor | None = None,
-    settings_per_chunk: int = SETTINGS_PER_CHUNK,
+    viewpoints_per_chunk: int = VIEWPOINTS_PER_CHUNK,
 ) -> Evaluation:
-    """Write the table setting x dimension chunk by chunk: memory holds a few chunks, however long it is.
+    """Write the table viewpoint x characteristic chunk by chunk: memory holds a few chunks, however long it is.
 
     Parameters
     ----------
     path
         A file in CSV or Parquet or a Zarr folder, by suffix; None to write nothing. A Zarr table that was interrupted
         goes on where it was when the same is asked for again, and has the same bytes in the end.
-    settings, method, precision
+    viewpoints, method, precision
         As for :func:`evaluate`.
     sampled
-        Evaluate the candidates that a plan would sample, in place of given settings.
+        Evaluate the candidates that a plan would sample, in place of given viewpoints.
     columns
-        Names of the columns to write, whose order does not matter; by default all, but ``gauge`` to Zarr only.
+        Names of the columns to write, whose order does not matter; by default all, but ``measurand`` to Zarr only.
     executor
         Where chunks run (:func:`~viewgauge.jobs.open_executor`); by default in this process. Zarr is written by
         the processes of the executor, which must all see the path.
-    settings_per_chunk
+    viewpoints_per_chunk
         Bounds the memory of a process; of Zarr also the chunks.
 
     Raises
@@ -174,22 +184,22 @@ def evaluate_into(
         If something given cannot be used, or the place cannot be written.
     """
     progress, executor = progress or Silent(), executor or InProcess()
-    require_chunk_size(settings_per_chunk)
-    source: SettingSource
+    require_chunk_size(viewpoints_per_chunk)
+    source: ViewpointSource
     if sampled:
-        if settings is not None:
-            raise InputError("sampled candidates and given settings exclude each other", key="settings")
+        if viewpoints is not None:
+            raise InputError("sampled candidates and given viewpoints exclude each other", key="viewpoints")
         source, ids = _sampled(inspection)
     else:
-        source = chosen = settings_of(inspection, settings)
+        source = chosen = viewpoints_of(inspection, viewpoints)
         ids = chosen.ids
     wanted = _wanted(columns, method)
     threads = None if isinstance(executor, InProcess) else 1
-    dimensions, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
-    size = _chunk_size(method, settings_per_chunk)
+    characteristics, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
+    size = _chunk_size(method, viewpoints_per_chunk)
     best: BestRows | None = None
     with (
-        _store(path, inspection, ids, dimensions, job, size, method, precision, columns is not None) as store,
+        _store(path, inspection, ids, characteristics, job, size, method, precision, columns is not None) as store,
         progress.stage(_stage(len(source), method, precision), len(source)) as advance,
     ):
         chunks = chunks_of(source, size)
@@ -205,7 +215,7 @@ def evaluate_into(
             best = _merged(best, found)
             advance(chunks[left[at]][1] - chunks[left[at]][0])
     assert best is not None  # there is at least one chunk
-    named = tuple(dimension.id for dimension in dimensions)
+    named = tuple(characteristic.id for characteristic in characteristics)
     return Evaluation(len(source), ids, named, best, inspection.requirement.probability)
 
 
@@ -215,28 +225,28 @@ def _merged(ours: BestRows | None, theirs: BestRows) -> BestRows:
 
 def _job(
     inspection: Inspection,
-    source: SettingSource,
+    source: ViewpointSource,
     method: Method,
     precision: float,
     threads: int | None,
     columns: tuple[str, ...] | None = None,
-) -> tuple[tuple[Dimension, ...], TableJob]:
+) -> tuple[tuple[Characteristic, ...], TableJob]:
     from ..simulation.quasi_monte_carlo import require_precision
 
     if method not in ("joint", "independent", "monte-carlo"):
         raise InputError("unknown method", key="method", got=method, expected="joint, independent or monte-carlo")
     exact = method == "monte-carlo"
     require_precision(precision)
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
+    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
     first_order = "joint" if method == "monte-carlo" else method
-    evaluation = EvaluationJob.of(inspection, dimensions, source, first_order, threads)
+    evaluation = EvaluationJob.of(inspection, characteristics, source, first_order, threads)
     columns = _wanted(None, method) if columns is None else columns
-    return dimensions, TableJob(evaluation, columns, precision if exact else None, inspection.seed)
+    return characteristics, TableJob(evaluation, columns, precision if exact else None, inspection.seed)
 
 
 def _wanted(columns: Sequence[str] | None, method: Method) -> tuple[str, ...]:
     """The columns to write, in their order."""
-    known = (*COLUMNS, *(_OPTIONAL if method == "monte-carlo" else _OPTIONAL[:1]), "gauge")
+    known = (*COLUMNS, *(_OPTIONAL if method == "monte-carlo" else _OPTIONAL[:1]), "measurand")
     if columns is None:
         return known
     expected = ", ".join(known)
@@ -254,9 +264,9 @@ def _chunk_size(method: Method, given: int) -> int:
     return min(given, _SIMULATED_PER_CHUNK) if method == "monte-carlo" else given
 
 
-def _stage(settings: int, method: Method, precision: float) -> str:
-    how = f" with the exact camera to {precision:g}" if method == "monte-carlo" else ""
-    return f"Evaluating {settings} settings{how}"
+def _stage(viewpoints: int, method: Method, precision: float) -> str:
+    how = f" with the full camera model to {precision:g}" if method == "monte-carlo" else ""
+    return f"Evaluating {viewpoints} viewpoints{how}"
 
 
 def _attributes(inspection: Inspection, method: Method, precision: float) -> dict[str, str | float]:
@@ -269,7 +279,7 @@ def _store(
     path: str | PathLike[str] | None,
     inspection: Inspection,
     ids: Sequence[str],
-    dimensions: tuple[Dimension, ...],
+    characteristics: tuple[Characteristic, ...],
     job: TableJob,
     size: int,
     method: Method,
@@ -284,18 +294,18 @@ def _store(
     def column(name: str) -> Column:
         if name in _NAMES:
             return Column(name, "name", _NAMES[name])
-        if name == "gauge":
+        if name == "measurand":
             return Column(name, "whole", in_rows=asked_for)  # in rows of no use to most
         return Column(name, "flag" if name in _FLAGS else "real")
 
     attrs = _attributes(inspection, method, precision)
     layout = TableLayout(
-        setting_ids=ids,
-        dimension_ids=[dimension.id for dimension in dimensions],
+        viewpoint_ids=ids,
+        characteristic_ids=[characteristic.id for characteristic in characteristics],
         columns=tuple(column(name) for name in job.columns),
-        chunk_settings=size,
+        chunk_viewpoints=size,
         coordinates={
-            "nominal_mm": np.array([dimension.nominal_mm for dimension in dimensions]),
+            "nominal_mm": np.array([characteristic.nominal_mm for characteristic in characteristics]),
             "allowed_error_mm": evaluator_of(job.evaluation).allowed_error_mm,
         },
         attrs=attrs,
@@ -310,34 +320,34 @@ def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
     return job if writer is None else replace(job, writer=writer())
 
 
-def settings_of(inspection: Inspection, settings: SettingsLike) -> ExplicitSettings:
-    """Settings as they may be given: a file, poses, or those that the inspection names; raises InputError."""
-    if settings is None:
-        if inspection.settings is None:
+def viewpoints_of(inspection: Inspection, viewpoints: ViewpointsLike) -> ExplicitViewpoints:
+    """Viewpoints as they may be given: a file, poses, or those that the inspection names; raises InputError."""
+    if viewpoints is None:
+        if inspection.viewpoints is None:
             raise InputError(
-                "no settings to evaluate", hint="give a settings file (CSV), or name one in candidates.settings"
+                "no viewpoints to evaluate", hint="give a viewpoints file (CSV), or name one in candidates.viewpoints"
             )
-        return inspection.settings
-    if isinstance(settings, str | PathLike):
-        return ExplicitSettings(*read_settings(settings))
-    if not isinstance(settings, ExplicitSettings):
-        poses = require_poses(settings, "settings").reshape(-1, 4, 4)
-        settings = ExplicitSettings(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
-    if not len(settings):
-        raise InputError("no settings to evaluate", key="settings", got="no pose", expected="at least one")
-    return settings
+        return inspection.viewpoints
+    if isinstance(viewpoints, str | PathLike):
+        return ExplicitViewpoints(*read_viewpoints(viewpoints))
+    if not isinstance(viewpoints, ExplicitViewpoints):
+        poses = require_poses(viewpoints, "viewpoints").reshape(-1, 4, 4)
+        viewpoints = ExplicitViewpoints(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
+    if not len(viewpoints):
+        raise InputError("no viewpoints to evaluate", key="viewpoints", got="no pose", expected="at least one")
+    return viewpoints
 
 
-def _sampled(inspection: Inspection) -> tuple[SettingSource, Sequence[str]]:
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    if not dimensions:
-        raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
-    grid = candidate_grid(inspection, dimensions)
+def _sampled(inspection: Inspection) -> tuple[ViewpointSource, Sequence[str]]:
+    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    if not characteristics:
+        raise NoCandidateError("nothing can be measured, so no viewpoint is sampled: see viewgauge check")
+    grid = candidate_grid(inspection, characteristics)
     return grid, _Numbered(len(grid))
 
 
 class _Numbered(Sequence[str]):
-    """The names C1, C2, … of any number of settings, made when they are asked for."""
+    """The names C1, C2, … of any number of viewpoints, made when they are asked for."""
 
     def __init__(self, count: int) -> None:
         self._places = range(1, count + 1)
@@ -373,7 +383,7 @@ def success_probability(
     relative_tolerance
         T = 1 - required accuracy.
     method
-        "joint", "independent", or "monte-carlo" (the exact camera).
+        "joint", "independent", or "monte-carlo" (the full camera model).
     precision, seed
         With "monte-carlo": half-width of the 99 % confidence interval, and the seed of the draws.
     """

@@ -16,8 +16,8 @@ from ..formats.inspection.inspection_text import read_inspection_text
 from ..formats.step.kernel_process import reading_step
 
 if TYPE_CHECKING:  # what takes long to import is imported while a child process reads the part
-    from ..formats.inspection.inspection_file import DimensionEntry, InspectionFile
-    from ..part import Brep, Dimension, Part, Unusable
+    from ..formats.inspection.inspection_file import CharacteristicEntry, InspectionFile
+    from ..part import Brep, Characteristic, NotMeasurable, Part
     from ..planning.inspection import Inspection
 
 __all__ = ["load"]
@@ -73,17 +73,17 @@ def load(
 
 
 def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
-    from ..formats.poses.viewpoints_file import read_settings
-    from ..planning.inspection import ExplicitSettings, Inspection
+    from ..formats.poses.viewpoints_file import read_viewpoints
+    from ..planning.inspection import ExplicitViewpoints, Inspection
 
-    settings = None
-    if file.settings_file is not None:
-        ids, poses = read_settings(file.settings_file)
-        settings = ExplicitSettings(ids, poses)
+    viewpoints = None
+    if file.viewpoints_file is not None:
+        ids, poses = read_viewpoints(file.viewpoints_file)
+        viewpoints = ExplicitViewpoints(ids, poses)
     used = (
         file.path,
         part_path,
-        file.settings_file,
+        file.viewpoints_file,
         file.covariance_file,
         file.common_covariance_file,
         file.calibration_file,
@@ -92,14 +92,14 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
         part=part,
         camera=file.camera,
-        head=file.head,
+        pose_error=file.pose_error,
         requirement=file.requirement,
         candidates=file.candidates,
         limits=file.limits,
-        settings=settings,
+        viewpoints=viewpoints,
         seed=file.seed,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
-        looks=file.looks,
+        averaged_viewpoints=file.averaged_viewpoints,
     )
 
 
@@ -107,7 +107,7 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
 def _reading_part(path: Path | None, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
     """Begin to read a part; call what the block is given for the part, or for the error that says why there is none.
 
-    That of a STEP file comes with the dimensions of its PMI, that of a mesh with none.
+    That of a STEP file comes with the characteristics of its PMI, that of a mesh with none.
     """
     suffix = "" if path is None else path.suffix.lower()
     if path is not None and suffix in _STEP_SUFFIXES:
@@ -121,16 +121,16 @@ def _reading_part(path: Path | None, chord_error_mm: float | None) -> Iterator[C
 
 def _part_of_step(finish: Callable[[], Brep], path: Path) -> Part:
     from ..part import Part
-    from ..part.characteristics import derive_dimensions
+    from ..part.characteristics import derive_characteristics
     from ..part.feature_lines import brep_feature_lines
 
     brep = finish()
-    dimensions, unusable = derive_dimensions(brep)
+    characteristics, not_measurable = derive_characteristics(brep)
     return Part(
         name=brep.name or path.stem,
         mesh=brep.mesh,
-        dimensions=dimensions,
-        unusable=unusable,
+        characteristics=characteristics,
+        not_measurable=not_measurable,
         notes=brep.notes,
         length_unit=brep.length_unit,
         feature_lines=brep_feature_lines(brep),
@@ -156,74 +156,80 @@ def _part_of_unknown(path: Path | None) -> Part:
 
 
 def _with_entries(part: Part, file: InspectionFile) -> Part:
-    """The part with the inspection file's own dimensions and tolerances.
+    """The part with the inspection file's own characteristics and tolerances.
 
-    An entry with two points adds a dimension (or takes the place of the PMI's of the same id); an entry without
-    changes the tolerance or observation of the PMI's; the general tolerance goes to dimensions that have none.
+    An entry with two points adds a characteristic (or takes the place of the PMI's of the same id); an entry without
+    changes the tolerance or observation of the PMI's; the general tolerance goes to characteristics that have none.
     """
-    dimensions = {dimension.id: dimension for dimension in part.dimensions}
-    unusable = {entry.id: entry for entry in part.unusable}
+    characteristics = {characteristic.id: characteristic for characteristic in part.characteristics}
+    not_measurable = {entry.id: entry for entry in part.not_measurable}
     notes = list(part.notes)
-    for entry in file.dimensions:
+    for entry in file.characteristics:
         if not entry.is_override:
-            if entry.id in dimensions or entry.id in unusable:
-                notes.append(f"dimension {entry.id}: the inspection file's two points replace the part's PMI")
-                unusable.pop(entry.id, None)
-            dimensions[entry.id] = _own_dimension(entry, part, file)
-        elif entry.id in dimensions:
-            dimensions[entry.id] = _changed(dimensions[entry.id], entry)
-        elif entry.id not in unusable:
+            if entry.id in characteristics or entry.id in not_measurable:
+                notes.append(f"characteristic {entry.id}: the inspection file's two points replace the part's PMI")
+                not_measurable.pop(entry.id, None)
+            characteristics[entry.id] = _own_characteristic(entry, part, file)
+        elif entry.id in characteristics:
+            characteristics[entry.id] = _changed(characteristics[entry.id], entry)
+        elif entry.id not in not_measurable:
             raise InspectionFileError(
-                f"dimension {entry.id!r} is not in the part's PMI",
+                f"characteristic {entry.id!r} is not in the part's PMI",
                 file=file.path,
                 line=entry.line,
-                key="part.dimensions",
-                expected=_known(dimensions, unusable),
-                hint="give it two points, start and end, or correct its id",
+                key="part.characteristics",
+                expected=_known(characteristics, not_measurable),
+                hint="give it two points, or correct its id",
             )
     if file.general_tolerance_mm is not None:
-        for name, dimension in dimensions.items():
-            if dimension.tolerance_mm is None:
-                dimensions[name] = replace(dimension, tolerance_mm=file.general_tolerance_mm)
-    if not dimensions and not unusable:
+        for name, characteristic in characteristics.items():
+            if characteristic.tolerance_mm is None:
+                characteristics[name] = replace(characteristic, tolerance_mm=file.general_tolerance_mm)
+    if not characteristics and not not_measurable:
         raise InspectionFileError(
-            "there is no dimension to measure: the part brings none, and the file gives none",
+            "there is no characteristic to measure: the part brings none, and the file gives none",
             file=file.path,
-            key="part.dimensions",
-            hint="add dimensions with an id, a start and an end to part.dimensions",
+            key="part.characteristics",
+            hint="add characteristics with an id and two points to part.characteristics",
         )
-    return replace(part, dimensions=tuple(dimensions.values()), unusable=tuple(unusable.values()), notes=tuple(notes))
+    return replace(
+        part,
+        characteristics=tuple(characteristics.values()),
+        not_measurable=tuple(not_measurable.values()),
+        notes=tuple(notes),
+    )
 
 
-def _own_dimension(entry: DimensionEntry, part: Part, file: InspectionFile) -> Dimension:
-    from ..part import Dimension
-    from ..part.characteristics.point_pairs import gauge_on_mesh
+def _own_characteristic(entry: CharacteristicEntry, part: Part, file: InspectionFile) -> Characteristic:
+    from ..part import Characteristic
+    from ..part.characteristics.point_pairs import measurand_on_mesh
 
-    assert entry.start_mm is not None  # the caller's condition
-    assert entry.end_mm is not None
+    assert entry.ends_mm is not None  # the caller's condition
     try:
-        gauge = gauge_on_mesh(part.mesh, entry.start_mm, entry.end_mm)
+        measurand = measurand_on_mesh(part.mesh, *entry.ends_mm)
     except InputError as error:
         raise InspectionFileError(
-            f"dimension {entry.id!r}: {error.problem}",
+            f"characteristic {entry.id!r}: {error.problem}",
             file=file.path,
             line=entry.line,
-            key="part.dimensions",
+            key="part.characteristics",
             got=error.got,
             expected=error.expected,
             hint=error.hint,
         ) from error
-    return Dimension(entry.id, "gauge", gauge.length_mm, entry.tolerance_mm, (gauge,), entry.observed or "ends")
-
-
-def _changed(dimension: Dimension, entry: DimensionEntry) -> Dimension:
-    return replace(
-        dimension,
-        tolerance_mm=entry.tolerance_mm or dimension.tolerance_mm,
-        observed=entry.observed or dimension.observed,
+    return Characteristic(
+        entry.id, "measurand", measurand.length_mm, entry.tolerance_mm, (measurand,), entry.observed or "ends"
     )
 
 
-def _known(dimensions: dict[str, Dimension], unusable: dict[str, Unusable]) -> str:
-    names = [*dimensions, *unusable]
+def _changed(characteristic: Characteristic, entry: CharacteristicEntry) -> Characteristic:
+    return replace(
+        characteristic,
+        tolerance_mm=entry.tolerance_mm or characteristic.tolerance_mm,
+        observed=entry.observed or characteristic.observed,
+    )
+
+
+def _known(characteristics: dict[str, Characteristic], not_measurable: dict[str, NotMeasurable]) -> str:
+    names = [*characteristics, *not_measurable]
     return "one of " + ", ".join(names[:20]) + (", …" if len(names) > 20 else "") if names else "no id: there is no PMI"

@@ -16,8 +16,8 @@ __all__ = ["read_plan", "require_plan_of"]
 def read_plan(folder: str | PathLike[str]) -> Plan:
     """The plan that :func:`~viewgauge.write_plan` wrote into a folder, or into a ``plan.json``.
 
-    What the file does not hold is lost: angles of dimensions that cannot be measured, and how many cells of the region
-    a bound looked into.
+    What the file does not hold is lost: angles of characteristics that cannot be measured, and how many cells of the
+    region a bound looked into.
 
     Raises
     ------
@@ -28,16 +28,16 @@ def read_plan(folder: str | PathLike[str]) -> Plan:
 
 
 def require_plan_of(plan: Plan, inspection: Inspection) -> None:
-    """Raise InputError unless a plan is of an inspection's part and dimensions."""
-    known = {dimension.id: dimension for dimension in inspection.part.dimensions}
-    for planned in plan.dimensions:
-        gauges = [planned.gauge] if planned.gauge is not None and not planned.looks else []
-        gauges += [look.gauge for look in planned.looks]
-        for gauge in gauges:
-            dimension = known.get(planned.id)
-            if dimension is None or dimension.gauge_at(gauge) is None:
+    """Raise InputError unless a plan is of an inspection's part and characteristics."""
+    known = {characteristic.id: characteristic for characteristic in inspection.part.characteristics}
+    for planned in plan.characteristics:
+        measurands = [planned.measurand] if planned.measurand is not None and not planned.acquisitions else []
+        measurands += [acquisition.measurand for acquisition in planned.acquisitions]
+        for measurand in measurands:
+            characteristic = known.get(planned.id)
+            if characteristic is None or characteristic.measurand_at(measurand) is None:
                 raise InputError(
-                    "the plan is of another part, or of other dimensions",
+                    "the plan is of another part, or of other characteristics",
                     key=planned.id,
                     expected="a plan of this inspection",
                     hint="plan it again with viewgauge plan",

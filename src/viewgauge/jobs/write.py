@@ -34,10 +34,10 @@ __all__ = [
 def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
     """The content of plan.json."""
     from ..formats.plan.plan_files import plan_document
-    from .budgets import error_budgets, figures_of_gauges
+    from .budgets import capability_of_characteristics, error_budgets
 
     budgets = error_budgets(inspection, plan)
-    figures = figures_of_gauges(inspection, plan, budgets)
+    figures = capability_of_characteristics(inspection, plan, budgets)
     return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
 
 
@@ -124,7 +124,7 @@ def output_folder(path: str | PathLike[str]) -> Iterator[Path]:
 
 
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
-    """Write ``plan.json, settings.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
+    """Write ``plan.json, viewpoints.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
     from ..formats.files.atomic import write_text_atomically
     from ..formats.plan.plan_files import plan_document, write_plan_files
     from .write_report import plan_details, plan_report

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ..execution.chunks import EvaluationJob, evaluator_of
 from ..planning import Plan
-from ..planning.inspection import ExplicitSettings, Inspection
-from ..report import PlanDetails, SettingView, render_report
+from ..planning.inspection import ExplicitViewpoints, Inspection
+from ..report import PlanDetails, ViewpointView, render_report
 from ..report.page.details import MOST_VIEWS
-from .budgets import error_budgets, figures_of_gauges
+from .budgets import capability_of_characteristics, error_budgets
 from .improvement.improve import settled_improvement
-from .laws import gauge_laws
-from .workbench.viewpoint_view import SettingViews
+from .laws import measurand_laws
+from .workbench.viewpoint_view import ViewpointViews
 
 __all__ = ["plan_details", "plan_report"]
 
@@ -39,24 +39,29 @@ def plan_details(plan: Plan, inspection: Inspection) -> PlanDetails:
     budgets = error_budgets(inspection, plan)
     return PlanDetails(
         budgets,
-        figures_of_gauges(inspection, plan, budgets),
-        gauge_laws(inspection, plan),
+        capability_of_characteristics(inspection, plan, budgets),
+        measurand_laws(inspection, plan),
         _views(plan, inspection),
         settled_improvement(inspection, plan),
     )
 
 
-def _views(plan: Plan, inspection: Inspection) -> tuple[SettingView, ...]:
-    """Of as many settings as a report shows; the dimensions are those that can be measured at all."""
-    measurable = {planned.id for planned in plan.dimensions if planned.status != "not_measurable"}
-    dimensions = tuple(dimension for dimension in inspection.part.dimensions if dimension.id in measurable)
-    if not dimensions or not plan.settings:
+def _views(plan: Plan, inspection: Inspection) -> tuple[ViewpointView, ...]:
+    """Of as many viewpoints as a report shows; the characteristics are those that can be measured at all."""
+    measurable = {planned.id for planned in plan.characteristics if planned.status != "not_measurable"}
+    characteristics = tuple(
+        characteristic for characteristic in inspection.part.characteristics if characteristic.id in measurable
+    )
+    if not characteristics or not plan.viewpoints:
         return ()
-    poses = ExplicitSettings.of_plan(plan)
-    table = evaluator_of(EvaluationJob.of(inspection, dimensions, poses)).table(poses.T_part_camera)
-    planned = {d.id: {d.setting, *(look.setting for look in d.looks)} - {None} for d in plan.dimensions}
-    views = SettingViews(inspection.part.mesh)
+    poses = ExplicitViewpoints.of_plan(plan)
+    table = evaluator_of(EvaluationJob.of(inspection, characteristics, poses)).table(poses.T_part_camera)
+    planned = {
+        d.id: {d.viewpoint, *(acquisition.viewpoint for acquisition in d.acquisitions)} - {None}
+        for d in plan.characteristics
+    }
+    views = ViewpointViews(inspection.part.mesh)
     return tuple(
-        views.view(setting.id, setting.T_part_camera, inspection.camera, dimensions, table, row, planned)
-        for row, setting in enumerate(plan.settings[:MOST_VIEWS])
+        views.view(viewpoint.id, viewpoint.T_part_camera, inspection.camera, characteristics, table, row, planned)
+        for row, viewpoint in enumerate(plan.viewpoints[:MOST_VIEWS])
     )

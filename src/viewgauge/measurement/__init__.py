@@ -1,15 +1,15 @@
 """What measurements say: of the head that carries the camera."""
 
-from .pose.pose_covariance import HeadCharacter, characterize_head, small_sample_factor
+from .pose.pose_covariance import PoseErrorEstimate, estimate_pose_error, small_sample_factor
 from .pose.pose_samples import PoseSamples, errors_about_group_means, errors_of_poses
 from .pose.serial_arm import fit_serial_arm
 
 __all__ = [
-    "HeadCharacter",
+    "PoseErrorEstimate",
     "PoseSamples",
-    "characterize_head",
     "errors_about_group_means",
     "errors_of_poses",
+    "estimate_pose_error",
     "fit_serial_arm",
     "small_sample_factor",
 ]

@@ -1,7 +1,18 @@
-"""The part: its surface, its dimensions and the gauges by which they are measured."""
+"""The part: its surface, its characteristics and the measurands by which they are measured."""
 
-from .brep import Brep, Callout, Edge, Face, Reference
-from .characteristic import Dimension, Gauge, Part, Unusable
+from .brep import Brep, Edge, Face, PmiRecord, Reference
+from .characteristic import Characteristic, Measurand, NotMeasurable, Part
 from .mesh import Mesh
 
-__all__ = ["Brep", "Callout", "Dimension", "Edge", "Face", "Gauge", "Mesh", "Part", "Reference", "Unusable"]
+__all__ = [
+    "Brep",
+    "Characteristic",
+    "Edge",
+    "Face",
+    "Measurand",
+    "Mesh",
+    "NotMeasurable",
+    "Part",
+    "PmiRecord",
+    "Reference",
+]

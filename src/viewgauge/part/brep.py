@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from .mesh import Mesh
 
-__all__ = ["Brep", "Callout", "CalloutKind", "Edge", "Face", "Reference"]
+__all__ = ["Brep", "Edge", "Face", "PmiKind", "PmiRecord", "Reference"]
 
-CalloutKind = Literal["distance", "length", "diameter", "radius", "angle", "other"]
+PmiKind = Literal["distance", "length", "diameter", "radius", "angle", "other"]
 
 
 @dataclass(frozen=True)
@@ -84,15 +84,15 @@ class Edge:
 
 @dataclass(frozen=True)
 class Reference:
-    """A face or an edge that a callout points to, by index."""
+    """A face or an edge that a PMI record points to, by index."""
 
     kind: Literal["face", "edge"]
     index: int
 
 
 @dataclass(frozen=True)
-class Callout:
-    """One dimension of the semantic PMI, as written in the file.
+class PmiRecord:
+    """One characteristic of the semantic PMI, as written in the file.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class Callout:
         the opposite features of one (DIMENSIONAL_SIZE that is no diameter), "diameter", "radius", "angle",
         or "other".
     label
-        The file's own word for the dimension (for messages), such as "linear distance" or "diameter".
+        The file's own word for the characteristic (for messages), such as "linear distance" or "diameter".
     nominal_mm
         Nominal value, mm (rad for an angle; NaN where the file gives none).
     tolerance_mm
@@ -111,11 +111,11 @@ class Callout:
     first, second
         What is referred to; ``second`` is empty for sizes.
     problem
-        Why the reader could not understand the callout; empty where it did.
+        Why the reader could not understand the PMI record; empty where it did.
     """
 
     name: str
-    kind: CalloutKind
+    kind: PmiKind
     label: str
     nominal_mm: float
     tolerance_mm: tuple[float, float] | None
@@ -126,7 +126,7 @@ class Callout:
 
 @dataclass(frozen=True)
 class Brep:
-    """A solid's faces, edges, occlusion mesh and PMI callouts.
+    """A solid's faces, edges, occlusion mesh and PMI PMI records.
 
     Parameters
     ----------
@@ -143,6 +143,6 @@ class Brep:
     faces: tuple[Face, ...]
     edges: tuple[Edge, ...]
     mesh: Mesh
-    callouts: tuple[Callout, ...]
+    pmi_records: tuple[PmiRecord, ...]
     plus_minus_count: int = 0
     notes: tuple[str, ...] = ()

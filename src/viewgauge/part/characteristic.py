@@ -1,4 +1,4 @@
-"""Dimensions of a part and the gauges by which they are measured."""
+"""Characteristics of a part and the measurands by which they are measured."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from .mesh import Mesh
 
-__all__ = ["Dimension", "Gauge", "Observed", "Part", "Unusable", "rim_axes"]
+__all__ = ["Characteristic", "Measurand", "NotMeasurable", "Observed", "Part", "rim_axes"]
 
 Observed = Literal["ends", "whole"]
 
 
 @dataclass(frozen=True)
-class Gauge:
-    """A pair of points on visible edges by which a dimension is measured in the image.
+class Measurand:
+    """A pair of points on visible edges by which a characteristic is measured in the image.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ class Gauge:
     source
         Where it lies, in words (such as "edges 12 and 40").
     rim_axis
-        ``(3,)`` unit normal of the circle of which the gauge is a diameter, where its whole rim is an outer edge; None
-        for any other gauge.
+        ``(3,)`` unit normal of the circle of which the measurand is a diameter, where its whole rim is an outer edge;
+        None for any other measurand.
     """
 
     start: NDArray[np.float64]
@@ -47,28 +47,30 @@ class Gauge:
         return float(np.linalg.norm(self.end - self.start))
 
 
-def rim_axes(gauges: Sequence[Gauge | None], T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(n, 3)``: axes of the rims of which gauges are diameters, in the frames of poses ``(n, 4, 4)``; else zeros."""
+def rim_axes(measurands: Sequence[Measurand | None], T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``(n, 3)``: axes of the rims of which measurands are diameters, in the frames of poses ``(n, 4, 4)``; else
+    zeros.
+    """
     none = np.zeros(3)
-    axes = [none if gauge is None or gauge.rim_axis is None else gauge.rim_axis for gauge in gauges]
+    axes = [none if measurand is None or measurand.rim_axis is None else measurand.rim_axis for measurand in measurands]
     return np.asarray(np.einsum("nji,nj->ni", T_part_camera[:, :3, :3], np.array(axes).reshape(-1, 3)))
 
 
 @dataclass(frozen=True)
-class Dimension:
-    """A toleranced quantity of the part, with one or several gauges to choose from.
+class Characteristic:
+    """A toleranced quantity of the part, with one or several measurands to choose from.
 
     Parameters
     ----------
     id
         Unique name.
     kind
-        "distance", "length", "diameter", or "gauge" for one given by its two points.
+        "distance", "length", "diameter", or "measurand" for one given by its two points.
     nominal_mm
         Nominal value, mm.
     tolerance_mm
         (lower, upper) deviation, mm; None where there is none (a basic value).
-    gauges
+    measurands
         At least one.
     observed
         Whether the two ends or the whole segment between them must be seen.
@@ -78,20 +80,20 @@ class Dimension:
     kind: str
     nominal_mm: float
     tolerance_mm: tuple[float, float] | None
-    gauges: tuple[Gauge, ...]
+    measurands: tuple[Measurand, ...]
     observed: Observed = "ends"
 
-    def gauge_at(self, points: NDArray[np.float64]) -> Gauge | None:
-        """The gauge whose start and end are ``(2, 3)`` mm, part frame; None where there is none."""
-        for gauge in self.gauges:
-            if np.allclose(np.stack([gauge.start, gauge.end]), points, rtol=0, atol=1e-6):
-                return gauge
+    def measurand_at(self, points: NDArray[np.float64]) -> Measurand | None:
+        """The measurand whose start and end are ``(2, 3)`` mm, part frame; None where there is none."""
+        for measurand in self.measurands:
+            if np.allclose(np.stack([measurand.start, measurand.end]), points, rtol=0, atol=1e-6):
+                return measurand
         return None
 
 
 @dataclass(frozen=True)
-class Unusable:
-    """A dimension that was read but cannot be measured, and why. Values are rad where ``kind`` is "angle"."""
+class NotMeasurable:
+    """A characteristic that was read but cannot be measured, and why. Values are rad where ``kind`` is "angle"."""
 
     id: str
     kind: str
@@ -102,12 +104,12 @@ class Unusable:
 
 @dataclass(frozen=True)
 class Part:
-    """What is inspected: the occluding mesh and the dimensions, part frame, mm."""
+    """What is inspected: the occluding mesh and the characteristics, part frame, mm."""
 
     name: str
     mesh: Mesh
-    dimensions: tuple[Dimension, ...]
-    unusable: tuple[Unusable, ...] = ()
+    characteristics: tuple[Characteristic, ...]
+    not_measurable: tuple[NotMeasurable, ...] = ()
     notes: tuple[str, ...] = ()
     length_unit: str = "mm"
     feature_lines: tuple[NDArray[np.float64], ...] = field(default=())

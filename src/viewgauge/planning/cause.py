@@ -1,4 +1,4 @@
-"""What limits a dimension that no candidate measures as required."""
+"""What limits a characteristic that no candidate measures as required."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _WORDS = {
 
 
 def limiting_cause(best: BestRows, j: int) -> str:
-    """One sentence on dimension j: why it is not seen, or which error limits it at its surest setting."""
+    """One sentence on characteristic j: why it is not seen, or which error limits it at its most probable viewpoint."""
     if not best.values.visible[j]:
         counts = dict(zip(REASONS[:-1], best.counts[j].tolist(), strict=False))
         ordered = sorted((name for name in counts if counts[name]), key=lambda name: -counts[name])
@@ -38,15 +38,16 @@ def limiting_cause(best: BestRows, j: int) -> str:
 
 
 def proof_sentence(certificate: Certificate | None, candidate_count: int, given: bool = False) -> str:
-    """What is known of a dimension that no setting meets: proven for the whole region, or only of what was tried.
+    """What is known of a characteristic that no viewpoint meets: proven for the whole region, or only of what was
+    tried.
 
     Parameters
     ----------
     given
-        The candidates are explicit settings, the only ones there are.
+        The candidates are explicit viewpoints, the only ones there are.
     """
     if given:
-        return f"none of the {candidate_count} given settings meets it"
+        return f"none of the {candidate_count} given viewpoints meets it"
     if certificate is not None and certificate.proven:
         return f"proven: at most {certificate.upper_words} from anywhere in the region; {certificate.cause}"
     found = f"not found in {candidate_count} candidates"

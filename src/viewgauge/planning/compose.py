@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import WARNINGS, BestRows, Requirement, TableBlock
-from ..part import Dimension, Unusable
-from .bounds import Certificate, SettingsBound
+from ..part import Characteristic, NotMeasurable
+from .bounds import Certificate, ViewpointsBound
 from .cause import limiting_cause, proof_sentence
 from .cover.dominance import Undominated
-from .cover.minimum_cover import DEFAULT_TIME_LIMIT_S, Cover, surest_minimum_cover
+from .cover.minimum_cover import DEFAULT_TIME_LIMIT_S, Cover, most_probable_minimum_cover
 from .cover.travel import shortest_tour
-from .plan import Look, Plan, PlannedDimension, PlannedSetting
+from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint
 from .refine.refinement import Refinement
 
 __all__ = [
     "Averaged",
-    "assigned_setting",
-    "choose_settings",
+    "assigned_viewpoint",
+    "choose_viewpoints",
     "compose_plan",
     "planned_not_measurable",
     "without_allowed_error",
@@ -30,55 +30,66 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Averaged:
-    """A dimension that the mean of k looks meets: the rows of their settings, and ``(k, 2, 3)`` mm what is measured.
+    """A characteristic that the mean of k acquisitions meets: the rows of their viewpoints, and ``(k, 2, 3)`` mm what
+    is measured.
 
     The probability and the expected accuracy are the mean's.
     """
 
     rows: tuple[int, ...]
-    gauges: NDArray[np.float64]
+    measurands: NDArray[np.float64]
     probability: float
     expected_accuracy: float
     single_probability: float
 
 
 def without_allowed_error(
-    dimensions: Sequence[Dimension], requirement: Requirement
-) -> tuple[tuple[Dimension, ...], tuple[Unusable, ...]]:
-    """Split dimensions into those that the requirement can judge and those that it cannot, with the reason."""
+    characteristics: Sequence[Characteristic], requirement: Requirement
+) -> tuple[tuple[Characteristic, ...], tuple[NotMeasurable, ...]]:
+    """Split characteristics into those that the requirement can judge and those that it cannot, with the reason."""
     judged, refused = [], []
-    for dimension in dimensions:
-        reason = requirement.cannot_judge(dimension.tolerance_mm)
+    for characteristic in characteristics:
+        reason = requirement.cannot_judge(characteristic.tolerance_mm)
         if reason is None:
-            judged.append(dimension)
+            judged.append(characteristic)
         else:
-            refused.append(Unusable(dimension.id, dimension.kind, reason, dimension.nominal_mm, dimension.tolerance_mm))
+            refused.append(
+                NotMeasurable(
+                    characteristic.id,
+                    characteristic.kind,
+                    reason,
+                    characteristic.nominal_mm,
+                    characteristic.tolerance_mm,
+                )
+            )
     return tuple(judged), tuple(refused)
 
 
-def choose_settings(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0) -> Cover:
-    """The fewest settings that measure every dimension that some kept candidate measures; of those the surest.
+def choose_viewpoints(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0) -> Cover:
+    """The fewest viewpoints that measure every characteristic that some kept candidate measures; of those the most
+    probable.
 
     Returns
     -------
-    The cover, of the settings' indices.
+    The cover, of the viewpoints' indices.
     """
     reachable = kept.level.any(axis=0)
-    cover = surest_minimum_cover(kept.level[:, reachable], time_limit_s, gap)
+    cover = most_probable_minimum_cover(kept.level[:, reachable], time_limit_s, gap)
     return Cover(tuple(int(k) for k in kept.index[list(cover.chosen)]), cover.lower_bound)
 
 
-def assigned_setting(table: TableBlock, required: float) -> NDArray[np.int64]:
-    """For each dimension the surest (then most accurate, then first) of K settings, -1 where none is sure enough.
+def assigned_viewpoint(table: TableBlock, required: float) -> NDArray[np.int64]:
+    """For each characteristic the most probable (then most accurate, then first) of K viewpoints, -1 where none is sure
+    enough.
 
     Parameters
     ----------
     table
-        ``(K, d)``: of the chosen settings.
+        ``(K, d)``: of the chosen viewpoints.
     """
     best = BestRows.of(table, np.arange(len(table.reason)))
-    met = best.values.visible & (best.values.probability >= required) & (best.setting >= 0)
-    return np.where(met, best.setting, -1)
+    met = best.values.visible & (best.values.probability >= required) & (best.viewpoint >= 0)
+    return np.where(met, best.viewpoint, -1)
 
 
 def compose_plan(
@@ -86,8 +97,8 @@ def compose_plan(
     T_part_camera: NDArray[np.float64],
     names: Sequence[str],
     best: Mapping[int, tuple[BestRows, int]],
-    dimensions: Sequence[Dimension],
-    unusable: Sequence[Unusable],
+    characteristics: Sequence[Characteristic],
+    not_measurable: Sequence[NotMeasurable],
     requirement: Requirement,
     *,
     lower_bound: int,
@@ -98,25 +109,25 @@ def compose_plan(
     averaged: Mapping[int, Averaged] | None = None,
     certificates: Mapping[int, Certificate] | None = None,
     refinement: Refinement | None = None,
-    anywhere: SettingsBound | None = None,
+    anywhere: ViewpointsBound | None = None,
     interrupted: bool = False,
 ) -> Plan:
-    """The plan of K chosen settings.
+    """The plan of K chosen viewpoints.
 
     Parameters
     ----------
     table
-        ``(K, d)``: of the chosen settings and all dimensions.
+        ``(K, d)``: of the chosen viewpoints and all characteristics.
     T_part_camera, names
-        ``(K, 4, 4)`` mm, and K names; they are put in the order of the shortest tour through the settings.
+        ``(K, 4, 4)`` mm, and K names; they are put in the order of the shortest tour through the viewpoints.
     fixed_names
-        A name goes with its setting; else they are given in the order of the tour.
+        A name goes with its viewpoint; else they are given in the order of the tour.
     best
-        For each dimension that no setting meets the best rows of all settings tried, and its place in them.
+        For each characteristic that no viewpoint meets the best rows of all viewpoints tried, and its place in them.
     poses_of_best
-        ``(4, 4)`` mm: of these dimensions the pose that the best row belongs to.
+        ``(4, 4)`` mm: of these characteristics the pose that the best row belongs to.
     averaged, certificates
-        Of these dimensions those that the mean of several looks meets, and what is proven of the others.
+        Of these characteristics those that the mean of several viewpoints meets, and what is proven of the others.
     unusable
         What cannot be measured, for the record.
     """
@@ -124,35 +135,37 @@ def compose_plan(
     place = {row: n for n, row in enumerate(order)}
     table = TableBlock(*(getattr(table, f.name)[order] for f in fields(table)))
     T_part_camera, names = T_part_camera[order], [names[k] for k in order] if fixed_names else names
-    setting = assigned_setting(table, requirement.probability)
+    viewpoint = assigned_viewpoint(table, requirement.probability)
     observes: list[list[str]] = [[] for _ in names]
     planned = []
-    for j, dimension in enumerate(dimensions):
-        looks = (averaged or {}).get(j)
-        if setting[j] >= 0:
-            observes[setting[j]].append(dimension.id)
-            chosen = TableBlock(*(getattr(table, f.name)[setting[j]] for f in fields(table)))
-            entry = _planned(chosen, j, dimension, requirement, names[setting[j]], "")
-            planned.append(replace(entry, T_part_camera=T_part_camera[setting[j]]))
+    for j, characteristic in enumerate(characteristics):
+        acquisitions = (averaged or {}).get(j)
+        if viewpoint[j] >= 0:
+            observes[viewpoint[j]].append(characteristic.id)
+            chosen = TableBlock(*(getattr(table, f.name)[viewpoint[j]] for f in fields(table)))
+            entry = _planned(chosen, j, characteristic, requirement, names[viewpoint[j]], "")
+            planned.append(replace(entry, T_part_camera=T_part_camera[viewpoint[j]]))
             continue
         rows, at = best[j]
-        entry = _planned(rows.values, at, dimension, requirement, None, limiting_cause(rows, at))
-        if looks is not None:
-            seen = [place[row] for row in looks.rows]
+        entry = _planned(rows.values, at, characteristic, requirement, None, limiting_cause(rows, at))
+        if acquisitions is not None:
+            seen = [place[row] for row in acquisitions.rows]
             for k in seen:
-                observes[k].append(dimension.id)
-            in_order = sorted(zip(seen, looks.gauges, strict=True), key=lambda look: look[0])
-            planned.append(_averaged(entry, looks, tuple(Look(names[k], gauge) for k, gauge in in_order)))
+                observes[k].append(characteristic.id)
+            in_order = sorted(zip(seen, acquisitions.measurands, strict=True), key=lambda acquisition: acquisition[0])
+            planned.append(
+                _averaged(entry, acquisitions, tuple(Acquisition(names[k], measurand) for k, measurand in in_order))
+            )
         else:
             pose, certificate = (poses_of_best or {}).get(j), (certificates or {}).get(j)
             proof = proof_sentence(certificate, candidate_count, given=fixed_names)
             planned.append(replace(entry, T_part_camera=pose, certificate=certificate, proof=proof))
     return Plan(
         seed=seed,
-        settings=tuple(
-            PlannedSetting(name, T, tuple(seen)) for name, T, seen in zip(names, T_part_camera, observes, strict=True)
+        viewpoints=tuple(
+            PlannedViewpoint(name, T, tuple(seen)) for name, T, seen in zip(names, T_part_camera, observes, strict=True)
         ),
-        dimensions=(*planned, *planned_not_measurable(unusable)),
+        characteristics=(*planned, *planned_not_measurable(not_measurable)),
         lower_bound=lower_bound,
         candidate_count=candidate_count,
         refinement=refinement,
@@ -161,49 +174,51 @@ def compose_plan(
     )
 
 
-def _averaged(entry: PlannedDimension, looks: Averaged, of_looks: tuple[Look, ...]) -> PlannedDimension:
-    """The entry of a dimension that the mean of looks meets."""
+def _averaged(
+    entry: PlannedCharacteristic, acquisitions: Averaged, of_acquisitions: tuple[Acquisition, ...]
+) -> PlannedCharacteristic:
+    """The entry of a characteristic that the mean of acquisitions meets."""
     return replace(
         entry,
         status="met",
-        probability=looks.probability,
-        expected_accuracy=looks.expected_accuracy,
-        setting=of_looks[0].setting,
-        gauge=of_looks[0].gauge,
+        probability=acquisitions.probability,
+        expected_accuracy=acquisitions.expected_accuracy,
+        viewpoint=of_acquisitions[0].viewpoint,
+        measurand=of_acquisitions[0].measurand,
         limit="",
         warning="",
-        looks=of_looks,
-        single_probability=looks.single_probability,
+        acquisitions=of_acquisitions,
+        single_probability=acquisitions.single_probability,
     )
 
 
 def _planned(
-    row: TableBlock, j: int, dimension: Dimension, requirement: Requirement, setting: str | None, limit: str
-) -> PlannedDimension:
-    """The entry of a dimension from entry j of a row of the table."""
+    row: TableBlock, j: int, characteristic: Characteristic, requirement: Requirement, viewpoint: str | None, limit: str
+) -> PlannedCharacteristic:
+    """The entry of a characteristic from entry j of a row of the table."""
     seen = bool(row.visible[j])
-    gauge = dimension.gauges[int(row.gauge[j])] if seen else None
-    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
-    return PlannedDimension(
-        id=dimension.id,
-        kind=dimension.kind,
-        nominal_mm=dimension.nominal_mm,
-        tolerance_mm=dimension.tolerance_mm,
+    measurand = characteristic.measurands[int(row.measurand[j])] if seen else None
+    allowed = requirement.allowed_error_mm(characteristic.nominal_mm, characteristic.tolerance_mm)
+    return PlannedCharacteristic(
+        id=characteristic.id,
+        kind=characteristic.kind,
+        nominal_mm=characteristic.nominal_mm,
+        tolerance_mm=characteristic.tolerance_mm,
         allowed_error_mm=float("nan") if allowed is None else allowed,
-        status="unmet" if setting is None else "met",
+        status="not_met" if viewpoint is None else "met",
         probability=float(row.probability[j]) if seen else 0.0,
         expected_accuracy=float(row.expected_accuracy[j]) if seen else 0.0,
-        setting=setting,
-        gauge=np.stack([gauge.start, gauge.end]) if gauge else None,
+        viewpoint=viewpoint,
+        measurand=np.stack([measurand.start, measurand.end]) if measurand else None,
         limit=limit,
         warning=("", *WARNINGS)[int(row.validity[j])] if seen else "",
     )
 
 
-def planned_not_measurable(unusable: Sequence[Unusable]) -> list[PlannedDimension]:
+def planned_not_measurable(not_measurable: Sequence[NotMeasurable]) -> list[PlannedCharacteristic]:
     """The plan's entries for what cannot be measured, with the reason."""
     return [
-        PlannedDimension(
+        PlannedCharacteristic(
             id=entry.id,
             kind=entry.kind,
             nominal_mm=entry.nominal_mm,
@@ -212,9 +227,9 @@ def planned_not_measurable(unusable: Sequence[Unusable]) -> list[PlannedDimensio
             status="not_measurable",
             probability=0.0,
             expected_accuracy=0.0,
-            setting=None,
-            gauge=None,
+            viewpoint=None,
+            measurand=None,
             limit=entry.reason,
         )
-        for entry in unusable
+        for entry in not_measurable
     ]

@@ -1,4 +1,4 @@
-"""The plan: which settings, what each measures, how surely, and what is proven."""
+"""The plan: which viewpoints, what each measures, how surely, and what is proven."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing import Drawable
-from .bounds import Certificate, SettingsBound
+from .bounds import Certificate, ViewpointsBound
 from .refine.refinement import Refinement
 
-__all__ = ["Look", "Plan", "PlannedDimension", "PlannedSetting", "Status"]
+__all__ = ["Acquisition", "Plan", "PlannedCharacteristic", "PlannedViewpoint", "Status"]
 
-Status = Literal["met", "unmet", "not_measurable"]
+Status = Literal["met", "not_met", "not_measurable"]
 
 
 @dataclass(frozen=True)
-class PlannedSetting:
-    """A chosen sensor setting: a camera pose ``T_part_camera`` (4, 4) mm and the dimensions measured from it."""
+class PlannedViewpoint:
+    """A chosen viewpoint: a camera pose ``T_part_camera`` (4, 4) mm and the characteristics measured from it."""
 
     id: str
     T_part_camera: NDArray[np.float64]
@@ -27,46 +27,49 @@ class PlannedSetting:
 
 
 @dataclass(frozen=True)
-class Look:
-    """One of several looks that are averaged: the setting, and the two points measured, ``(2, 3)`` mm, part frame."""
+class Acquisition:
+    """One of several viewpoints that are averaged: the viewpoint, and the two points measured, ``(2, 3)`` mm, part
+    frame.
+    """
 
-    setting: str
-    gauge: NDArray[np.float64]
+    viewpoint: str
+    measurand: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PlannedDimension:
-    """What the plan achieves for one dimension.
+class PlannedCharacteristic:
+    """What the plan achieves for one characteristic.
 
     Parameters
     ----------
     nominal_mm, tolerance_mm
         In mm, but rad where ``kind`` is "angle" (which is never measurable).
     status
-        "met"; "unmet" (no setting that was tried reaches the required probability); "not_measurable" (no gauge could
-        be made, or it has no tolerance where the requirement needs one).
+        "met"; "not met" (no viewpoint that was tried reaches the required probability); "not_measurable" (no measurand
+        could be made, or it has no tolerance where the requirement needs one).
     allowed_error_mm
         Largest error that the requirement allows, mm; NaN where undefined.
     probability, expected_accuracy
-        At ``setting`` by ``gauge``: of the plan where met, the best of all settings tried where unmet; 0 where none.
-        Of the mean where there are ``looks``.
-    setting
-        Id of the planned setting, of the first of several looks; None unless met.
-    gauge
+        At ``viewpoint`` by ``measurand``: of the plan where met, the best of all viewpoints tried where not met; 0
+        where none. Of the mean where there are ``acquisitions``.
+    viewpoint
+        Id of the planned viewpoint, of the first of several viewpoints; None unless met.
+    measurand
         The two points measured from there, ``(2, 3)`` mm, part frame; None where none was visible.
     limit
-        What limits the dimension, one sentence; empty where met.
+        What limits the characteristic, one sentence; empty where met.
     warning
-        Why the small-error model is doubtful for this setting and gauge (:func:`viewgauge.evaluation.validity`);
-        empty where it is not. The probability of a dimension that is met is then the exact camera's.
+        Why the small-error model is doubtful for this viewpoint and measurand (:func:`viewgauge.evaluation.validity`);
+        empty where it is not. The probability of a characteristic that is met is then the full camera model's.
     T_part_camera
-        ``(4, 4)`` mm: the pose that ``probability`` belongs to; None where no gauge was visible, or with ``looks``.
-    looks
-        The settings whose values are averaged, if no single one is sure enough; else none.
+        ``(4, 4)`` mm: the pose that ``probability`` belongs to; None where no measurand was visible, or with
+        ``acquisitions``.
+    acquisitions
+        The viewpoints whose values are averaged, if no single one is sure enough; else none.
     single_probability
-        Of the best single look, where there are ``looks``.
+        Of the best single acquisition, where there are ``acquisitions``.
     certificate
-        What is proven of a dimension that is not met, over all poses of the region; None where nothing was tried.
+        What is proven of a characteristic that is not met, over all poses of the region; None where nothing was tried.
     proof
         The same in a sentence, or that it was only not found; empty unless not met.
     """
@@ -79,12 +82,12 @@ class PlannedDimension:
     status: Status
     probability: float
     expected_accuracy: float
-    setting: str | None
-    gauge: NDArray[np.float64] | None
+    viewpoint: str | None
+    measurand: NDArray[np.float64] | None
     limit: str = ""
     warning: str = ""
     T_part_camera: NDArray[np.float64] | None = None
-    looks: tuple[Look, ...] = ()
+    acquisitions: tuple[Acquisition, ...] = ()
     single_probability: float | None = None
     certificate: Certificate | None = None
     proof: str = ""
@@ -92,35 +95,35 @@ class PlannedDimension:
 
 @dataclass(frozen=True)
 class Plan(Drawable):
-    """The fewest settings that measure every dimension that can be met.
+    """The fewest viewpoints that measure every characteristic that can be met.
 
     Parameters
     ----------
     lower_bound
-        Proven least number of settings among the candidates and what the refinement found, for the dimensions that a
-        single look meets.
+        Proven least number of viewpoints among the candidates and what the refinement found, for the characteristics
+        that a single acquisition meets.
     refinement
         What refining changed; None where nothing was refined.
     anywhere
-        Least number of settings that measure those dimensions wherever in the region they stand; None where that was
-        not asked.
+        Least number of viewpoints that measure those characteristics wherever in the region they stand; None where that
+        was not asked.
     interrupted
         Somebody ended a step: the plan is the best so far.
     """
 
     seed: int
-    settings: tuple[PlannedSetting, ...]
-    dimensions: tuple[PlannedDimension, ...]
+    viewpoints: tuple[PlannedViewpoint, ...]
+    characteristics: tuple[PlannedCharacteristic, ...]
     lower_bound: int
     candidate_count: int
     refinement: Refinement | None = None
-    anywhere: SettingsBound | None = None
+    anywhere: ViewpointsBound | None = None
     interrupted: bool = False
 
     @property
     def count(self) -> int:
-        """Number of settings."""
-        return len(self.settings)
+        """Number of viewpoints."""
+        return len(self.viewpoints)
 
     @property
     def gap(self) -> float:
@@ -129,7 +132,7 @@ class Plan(Drawable):
 
     @property
     def proven(self) -> bool:
-        """The count is proven least among the settings known."""
+        """The count is proven least among the viewpoints known."""
         return self.count == self.lower_bound
 
     @property
@@ -139,5 +142,5 @@ class Plan(Drawable):
 
     @property
     def all_met(self) -> bool:
-        """Every dimension is met."""
-        return all(dimension.status == "met" for dimension in self.dimensions)
+        """Every characteristic is met."""
+        return all(characteristic.status == "met" for characteristic in self.characteristics)

@@ -4,12 +4,12 @@ from .page.answer_pages import render_improvement, render_specification
 from .page.chart_page import render_chart
 from .page.details import PlanDetails
 from .page.report_page import render_report
-from .pictures.view_picture import SeenDimension, SettingView, view_picture
+from .pictures.view_picture import SeenCharacteristic, ViewpointView, view_picture
 
 __all__ = [
     "PlanDetails",
-    "SeenDimension",
-    "SettingView",
+    "SeenCharacteristic",
+    "ViewpointView",
     "render_chart",
     "render_improvement",
     "render_report",

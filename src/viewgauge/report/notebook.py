@@ -1,6 +1,6 @@
 """Plans, laws and tables in notebooks: their pictures as Plotly figures, and themselves in a few words.
 
-``plan.plot()``, ``law.plot()``, ``gauge_laws.plot()`` and ``table.viewgauge.plot()`` come here.
+``plan.plot()``, ``law.plot()``, ``measurand_laws.plot()`` and ``table.viewgauge.plot()`` come here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors.law import Law
-from ..evaluation import GaugeLaws
+from ..evaluation import MeasurandLaws
 from ..part import Part
 from ..planning import Plan
 from ..sensors import Camera
@@ -20,8 +20,8 @@ from .charts import Figure, accuracy_chart, laws_chart, table_chart
 from .charts.style import axis, figure, theme_of
 from .page.summary import verdict
 from .page.tables import STATUS_WORDS
-from .palette import SETTING_COLOURS, UNMET_COLOUR
-from .pictures.part_scene import build_scene, gauge_scene
+from .palette import NOT_MET_COLOUR, VIEWPOINT_COLOURS
+from .pictures.part_scene import build_scene, measurand_scene
 from .wording import DASH, element, length, probability
 
 if TYPE_CHECKING:
@@ -61,8 +61,8 @@ def plot(shown: object, *_: Any, **__: Any) -> PlotlyFigure:
 
 @plot.register(Plan)
 def _plot_plan(plan: Plan, inspection: _Inspected | None = None) -> PlotlyFigure:
-    """Gauges and cameras in three dimensions, with the part where its inspection is given."""
-    scene = gauge_scene(plan) if inspection is None else build_scene(plan, inspection.part, inspection.camera)[0]
+    """Measurands and cameras in three dimensions, with the part where its inspection is given."""
+    scene = measurand_scene(plan) if inspection is None else build_scene(plan, inspection.part, inspection.camera)[0]
     return _drawn({"data": [*scene["part"], *scene["cameras"]], "layout": {**scene["layout"], "height": 560}})
 
 
@@ -81,7 +81,7 @@ def _plot_law(law: Law, *, name: str = "", dark: bool = False) -> PlotlyFigure:
             "x": x.tolist(),
             "y": column.tolist(),
             "name": f"{k}" if densities.shape[1] > 1 else "density",
-            "line": {"width": 2.5, "color": SETTING_COLOURS[k % len(SETTING_COLOURS)]},
+            "line": {"width": 2.5, "color": VIEWPOINT_COLOURS[k % len(VIEWPOINT_COLOURS)]},
             "showlegend": densities.shape[1] > 1,
         }
         for k, column in enumerate(densities.T)
@@ -91,13 +91,13 @@ def _plot_law(law: Law, *, name: str = "", dark: bool = False) -> PlotlyFigure:
     return _drawn(figure(data, theme, title, **axes))
 
 
-@plot.register(GaugeLaws)
-def _plot_gauge_laws(
-    laws: GaugeLaws,
+@plot.register(MeasurandLaws)
+def _plot_measurand_laws(
+    laws: MeasurandLaws,
     allowed_error_mm: float | None = None,
     required: float | None = None,
     *,
-    name: str = "the dimension",
+    name: str = "the characteristic",
     dark: bool = False,
 ) -> PlotlyFigure:
     """Densities of the parts of the error; with a required probability how surely which accuracy is reached."""
@@ -108,11 +108,11 @@ def _plot_gauge_laws(
 
 
 def table_figure(table: xr.Dataset, *, dark: bool = False) -> PlotlyFigure:
-    """The table setting x dimension of :func:`viewgauge.evaluate` as a map of probabilities."""
+    """The table viewpoint x characteristic of :func:`viewgauge.evaluate` as a map of probabilities."""
     return _drawn(
         table_chart(
-            [str(name) for name in table.setting.values],
-            [str(name) for name in table.dimension.values],
+            [str(name) for name in table.viewpoint.values],
+            [str(name) for name in table.characteristic.values],
             table.probability.values,
             table.reason.values.astype(str),
             float(table.attrs["required_probability"]),
@@ -130,31 +130,36 @@ def described(shown: object) -> str:
 @described.register(Plan)
 def _described_plan(plan: Plan) -> str:
     text, good = verdict(plan)
-    settings = "1 setting" if plan.count == 1 else f"{plan.count} settings"
-    head = "".join(
+    viewpoints = "1 viewpoint" if plan.count == 1 else f"{plan.count} viewpoints"
+    pose_error = "".join(
         element("th", name, style="text-align:left;padding-right:1.5em")
-        for name in ("Dimension", "Nominal", "Status", "Probability", "Setting")
+        for name in ("Characteristic", "Nominal", "Status", "Probability", "Viewpoint")
     )
     order = list(STATUS_WORDS)
-    ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
+    ranked = sorted(
+        plan.characteristics,
+        key=lambda characteristic: (order.index(characteristic.status), characteristic.probability),
+    )
     rows = [
         (
             d.id,
             f"{length(d.nominal_mm)} mm" if d.kind != "angle" else DASH,
             ("" if d.status == "met" else "✗ ") + STATUS_WORDS[d.status],
             DASH if d.status == "not_measurable" else probability(d.probability),
-            ", ".join(look.setting for look in d.looks) or d.setting or DASH,
+            ", ".join(acquisition.viewpoint for acquisition in d.acquisitions) or d.viewpoint or DASH,
         )
         for d in ranked
     ]
     body = "".join(
         element("tr", markup="".join(element("td", cell, style="text-align:left") for cell in row)) for row in rows
     )
-    mark = element("b", "✓ " if good else "✗ ", style="" if good else f"color:{UNMET_COLOUR}")
+    mark = element("b", "✓ " if good else "✗ ", style="" if good else f"color:{NOT_MET_COLOUR}")
     return element(
         "div",
-        markup=element("p", markup=mark + element("b", f"{text}, from {settings}"))
-        + element("table", markup=element("thead", markup=element("tr", markup=head)) + element("tbody", markup=body)),
+        markup=element("p", markup=mark + element("b", f"{text}, from {viewpoints}"))
+        + element(
+            "table", markup=element("thead", markup=element("tr", markup=pose_error)) + element("tbody", markup=body)
+        ),
     )
 
 
@@ -165,15 +170,15 @@ def _described_law(law: Law) -> str:
     return _facts(type(law).__name__, [(name, _number(value)) for name, value in facts])
 
 
-@described.register(GaugeLaws)
-def _described_gauge_laws(laws: GaugeLaws) -> str:
+@described.register(MeasurandLaws)
+def _described_measurand_laws(laws: MeasurandLaws) -> str:
     facts = [
-        ("gauge", f"{length(laws.length_mm)} mm"),
+        ("measurand", f"{length(laws.length_mm)} mm"),
         ("u of the error", f"{laws.standard_uncertainty_mm:.3g} mm"),
         ("by the pose of the head", f"{float(laws.displacement.std()):.3g} mm"),
         ("by the camera", f"{float(laws.camera.std()):.3g} mm"),
     ]
-    return _facts("Laws of the error of a dimension", facts)
+    return _facts("Laws of the error of a characteristic", facts)
 
 
 def _facts(title: str, facts: list[tuple[str, str]]) -> str:
@@ -186,5 +191,5 @@ def _facts(title: str, facts: list[tuple[str, str]]) -> str:
 
 def _number(value: NDArray[np.float64]) -> str:
     flat = np.asarray(value, dtype=float).ravel()
-    told = ", ".join(f"{number:.4g}" for number in flat[:4])
-    return told + (f", … ({flat.size})" if flat.size > 4 else "")
+    reported = ", ".join(f"{number:.4g}" for number in flat[:4])
+    return reported + (f", … ({flat.size})" if flat.size > 4 else "")

@@ -1,6 +1,6 @@
 """The colours of everything that is shown, told apart by colour-blind readers too.
 
-Settings and error sources have Okabe and Ito's colours ("Color Universal Design", 2008). Probabilities have two ramps
+Viewpoints and error sources have Okabe and Ito's colours ("Color Universal Design", 2008). Probabilities have two ramps
 that meet at the required one: blue from there on, the surer the darker; orange to dark red below it. Nothing is told by
 colour alone: what is not met has a thicker line, a diamond and a cross as well.
 """
@@ -16,21 +16,21 @@ from ..planning.plan import Plan
 __all__ = [
     "DARK",
     "LIGHT",
+    "NOT_MET_COLOUR",
     "SOURCE_COLOURS",
-    "UNMET_COLOUR",
     "UNSEEN_COLOUR",
     "Theme",
     "colours_of",
     "probability_colour",
     "probability_scale",
-    "setting_colours",
-    "setting_markers",
+    "viewpoint_colours",
+    "viewpoint_markers",
 ]
 
 # Without black, yellow (invisible on white) and vermilion.
-SETTING_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#7A5195")
+VIEWPOINT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#7A5195")
 MARKERS = ("circle", "square", "circle-open", "square-open")  # the diamond is kept for what is not met
-UNMET_COLOUR = "#D00000"
+NOT_MET_COLOUR = "#D00000"
 UNSEEN_COLOUR = "#8a94a0"
 
 SOURCE_COLOURS = {
@@ -66,17 +66,19 @@ DARK = Theme("#12181f", "#1b232c", "#e6ebf1", "#9fadbb", "#33404d", "#6ddcae", "
 
 def colours_of(names: Iterable[str]) -> dict[str, str]:
     """A colour for each name, in their order; with more names than colours they repeat."""
-    return {name: SETTING_COLOURS[k % len(SETTING_COLOURS)] for k, name in enumerate(names)}
+    return {name: VIEWPOINT_COLOURS[k % len(VIEWPOINT_COLOURS)] for k, name in enumerate(names)}
 
 
-def setting_colours(plan: Plan) -> dict[str, str]:
-    """A colour per setting id; with more settings than colours they repeat with another marker."""
-    return colours_of(setting.id for setting in plan.settings)
+def viewpoint_colours(plan: Plan) -> dict[str, str]:
+    """A colour per viewpoint id; with more viewpoints than colours they repeat with another marker."""
+    return colours_of(viewpoint.id for viewpoint in plan.viewpoints)
 
 
-def setting_markers(plan: Plan) -> dict[str, str]:
-    """A marker per setting id."""
-    return {setting.id: MARKERS[k // len(SETTING_COLOURS) % len(MARKERS)] for k, setting in enumerate(plan.settings)}
+def viewpoint_markers(plan: Plan) -> dict[str, str]:
+    """A marker per viewpoint id."""
+    return {
+        viewpoint.id: MARKERS[k // len(VIEWPOINT_COLOURS) % len(MARKERS)] for k, viewpoint in enumerate(plan.viewpoints)
+    }
 
 
 def _mixed(low: tuple[int, int, int], high: tuple[int, int, int], share: float) -> str:

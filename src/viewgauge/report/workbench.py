@@ -5,16 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..evaluation import Requirement
-from ..part import Unusable
-from ..planning.improve.answers import Answers, DimensionAnswer
-from .palette import UNMET_COLOUR, UNSEEN_COLOUR, Theme, probability_colour
+from ..part import NotMeasurable
+from ..planning.improve.answers import Answers, CharacteristicAnswer
+from .palette import NOT_MET_COLOUR, UNSEEN_COLOUR, Theme, probability_colour
 from .pictures.view_picture import REASON_WORDS
 from .wording import DASH, element, length, probability, requirement_text, tolerance
 
-__all__ = ["answer_table", "bench_style", "dimension_facts", "legend", "message", "refused_table", "verdict_markup"]
+__all__ = [
+    "answer_table",
+    "characteristic_facts",
+    "legend",
+    "message",
+    "not_measurable_table",
+    "verdict_markup",
+    "workbench_style",
+]
 
 
-def bench_style(theme: Theme) -> str:
+def workbench_style(theme: Theme) -> str:
     """The style of all pieces, to be put before the first."""
     return f"""<style>
 .vg {{ padding: 2px 14px 2px 8px; font-size: 13px; line-height: 1.45; color: {theme.ink}; }}
@@ -54,41 +62,43 @@ def message(text: str, *, bad: bool = False) -> str:
 
 
 def verdict_markup(answers: Answers, planned: Requirement) -> str:
-    """What a look is enough for: how many dimensions are met, and the weakest.
+    """What an acquisition is enough for: how many characteristics are met, and the weakest.
 
     Parameters
     ----------
     planned
         The requirement of the inspection, which is told where it was turned.
     """
-    total, met, weakest = len(answers.dimensions), answers.met, answers.weakest
-    if not answers.settings:
+    total, met, weakest = len(answers.characteristics), answers.met, answers.weakest
+    if not answers.viewpoints:
         return message("No plan yet.")
     good = met == total
-    text = f"✓ All {total} dimensions are met" if good else f"✗ {total - met} of {total} dimensions are not met"
-    cards = [("Settings", str(len(answers.settings)))]
+    text = (
+        f"✓ All {total} characteristics are met" if good else f"✗ {total - met} of {total} characteristics are not met"
+    )
+    cards = [("Viewpoints", str(len(answers.viewpoints)))]
     if weakest is not None:
-        sure = probability(weakest.probability) if weakest.setting is not None else "not seen"
-        cards.append(("Weakest", f"{weakest.dimension.id} {sure}"))
+        sure = probability(weakest.probability) if weakest.viewpoint is not None else "not seen"
+        cards.append(("Weakest", f"{weakest.characteristic.id} {sure}"))
     shown = "".join(
         element("div", markup=element("span", name, class_="soft") + element("b", value), class_="card")
         for name, value in cards
     )
-    changed = "" if answers.requirement == planned else " (turned)"
+    changed = "" if answers.setup.requirement == planned else " (turned)"
     return _piece(
         element("div", text, class_=f"verdict {'good' if good else 'bad'}", role="status", aria_live="polite")
         + element("div", markup=shown, class_="cards")
-        + element("p", f"Required: {requirement_text(answers.requirement)}{changed}", class_="soft")
+        + element("p", f"Required: {requirement_text(answers.setup.requirement)}{changed}", class_="soft")
     )
 
 
 def legend(required: float) -> str:
-    """What the colours of gauges mean."""
+    """What the colours of measurands mean."""
     steps = [required * k / 6 for k in range(6)]
     steps += [required + (1 - required) * (1 - 10.0 ** (-k / 2)) for k in range(6)]
     ramp = "".join(element("span", style=f"background:{probability_colour(p, required)}") for p in steps)
     signs = (
-        element("span", class_="swatch", style=f"background:{UNMET_COLOUR};transform:rotate(45deg)")
+        element("span", class_="swatch", style=f"background:{NOT_MET_COLOUR};transform:rotate(45deg)")
         + "not met: thick, with a diamond &ensp; "
         + element("span", class_="swatch", style=f"background:{UNSEEN_COLOUR}")
         + "not seen, with a red diamond"
@@ -102,51 +112,53 @@ def legend(required: float) -> str:
     )
 
 
-def answer_table(answers: Answers, refused: Sequence[Unusable], chosen: str | None) -> str:
-    """Every dimension as it stands, the least sure first; what cannot be measured last."""
-    head = "".join(
+def answer_table(answers: Answers, refused: Sequence[NotMeasurable], chosen: str | None) -> str:
+    """Every characteristic as it stands, the least sure first; what cannot be measured last."""
+    pose_error = "".join(
         element("th", name, scope="col", class_=kind)
-        for name, kind in (("Dimension", ""), ("Nominal / mm", "num"), ("Probability", "num"), ("From", ""))
+        for name, kind in (("Characteristic", ""), ("Nominal / mm", "num"), ("Probability", "num"), ("From", ""))
     )
-    ranked = sorted(answers.dimensions, key=lambda answer: answer.probability)
-    rows = "".join(_answer_row(answer, answers.requirement.probability, chosen) for answer in ranked)
-    rows += _refused_rows(refused)
+    ranked = sorted(answers.characteristics, key=lambda answer: answer.probability)
+    rows = "".join(_answer_row(answer, answers.setup.requirement.probability, chosen) for answer in ranked)
+    rows += _not_measurable_rows(refused)
     return _piece(
-        element("table", markup=element("thead", markup=element("tr", markup=head)) + element("tbody", markup=rows))
+        element(
+            "table", markup=element("thead", markup=element("tr", markup=pose_error)) + element("tbody", markup=rows)
+        )
     )
 
 
-def refused_table(refused: Sequence[Unusable]) -> str:
+def not_measurable_table(refused: Sequence[NotMeasurable]) -> str:
     """What cannot be measured, where nothing can."""
-    return _piece(element("table", markup=element("tbody", markup=_refused_rows(refused))))
+    return _piece(element("table", markup=element("tbody", markup=_not_measurable_rows(refused))))
 
 
-def _refused_rows(refused: Sequence[Unusable]) -> str:
+def _not_measurable_rows(refused: Sequence[NotMeasurable]) -> str:
     rows = []
-    for unusable in refused:
-        why = element("td", f"not measurable: {unusable.reason}", colspan="3")
-        rows.append(element("tr", markup=element("th", unusable.id, scope="row") + why))
+    for not_measurable in refused:
+        why = element("td", f"not measurable: {not_measurable.reason}", colspan="3")
+        rows.append(element("tr", markup=element("th", not_measurable.id, scope="row") + why))
     return "".join(rows)
 
 
-def _answer_row(answer: DimensionAnswer, required: float, chosen: str | None) -> str:
-    dimension = answer.dimension
-    seen = answer.setting is not None
+def _answer_row(answer: CharacteristicAnswer, required: float, chosen: str | None) -> str:
+    characteristic = answer.characteristic
+    seen = answer.viewpoint is not None
     colour = probability_colour(answer.probability, required) if seen else UNSEEN_COLOUR
     swatch = element("span", class_="swatch", style=f"background:{colour}")
     mark = "" if answer.met else "✗ "
     sure = probability(answer.probability) if seen else DASH
     cells = (
-        element("th", markup=swatch + element("span", mark + dimension.id), scope="row"),
-        element("td", f"{length(dimension.nominal_mm)} {tolerance(dimension.tolerance_mm)}", class_="num"),
+        element("th", markup=swatch + element("span", mark + characteristic.id), scope="row"),
+        element("td", f"{length(characteristic.nominal_mm)} {tolerance(characteristic.tolerance_mm)}", class_="num"),
         element("td", sure, class_="num" + ("" if answer.met else " bad"), title=repr(answer.probability)),
-        element("td", answer.setting or REASON_WORDS.get(answer.reason, answer.reason)),
+        element("td", answer.viewpoint or REASON_WORDS.get(answer.reason, answer.reason)),
     )
-    return element("tr", markup="".join(cells), class_="chosen" if dimension.id == chosen else "")
+    return element("tr", markup="".join(cells), class_="chosen" if characteristic.id == chosen else "")
 
 
-def dimension_facts(answer: DimensionAnswer, independent: float | None, planned: Sequence[str] = ()) -> str:
-    """The chosen dimension in a few numbers: both models side by side.
+def characteristic_facts(answer: CharacteristicAnswer, independent: float | None, planned: Sequence[str] = ()) -> str:
+    """The chosen characteristic in a few numbers: both models side by side.
 
     Parameters
     ----------
@@ -154,19 +166,21 @@ def dimension_facts(answer: DimensionAnswer, independent: float | None, planned:
         What the plan says of it, in sentences.
     """
     rows = (
-        ("Nominal", f"{length(answer.dimension.nominal_mm)} mm {tolerance(answer.dimension.tolerance_mm)}"),
+        ("Nominal", f"{length(answer.characteristic.nominal_mm)} mm {tolerance(answer.characteristic.tolerance_mm)}"),
         ("Allowed error", f"±{length(answer.allowed_error_mm)} mm"),
-        ("Measured from", answer.setting or f"nowhere: {REASON_WORDS.get(answer.reason, answer.reason)}"),
-        ("Probability, joint model", probability(answer.probability) if answer.setting else DASH),
+        ("Measured from", answer.viewpoint or f"nowhere: {REASON_WORDS.get(answer.reason, answer.reason)}"),
+        ("Probability, joint model", probability(answer.probability) if answer.viewpoint else DASH),
         ("Probability, model of 1998", DASH if independent is None else probability(independent)),
     )
     body = "".join(
         element("tr", markup=element("th", k, scope="row") + element("td", v, class_="num")) for k, v in rows
     )
-    told = element("table", markup=element("tbody", markup=body))
+    reported = element("table", markup=element("tbody", markup=body))
     if answer.warning:
-        words = f"The small-error model is doubtful here ({answer.warning}); plan again for the exact camera's word."
-        told += element("p", words, class_="soft")
+        words = (
+            f"The small-error model is doubtful here ({answer.warning}); plan again for the full camera model's word."
+        )
+        reported += element("p", words, class_="soft")
     for sentence in planned:
-        told += element("p", f"Plan: {sentence}.", class_="soft")
-    return _piece(told)
+        reported += element("p", f"Plan: {sentence}.", class_="soft")
+    return _piece(reported)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
 from ..geometry.lens import Lens
-from .edge_detector import EdgeLocator
+from .edge_detector import EdgeDetector
 
 __all__ = ["Camera"]
 
@@ -44,7 +44,7 @@ class Camera:
     resolution
         Columns and rows, px.
     edge_resolution_px
-        Quantization step of the edge locator, px: 1 is the paper's whole-pixel locator, 0.1 a sub-pixel one,
+        Quantization step of the edge detector, px: 1 is the paper's whole-pixel edge detector, 0.1 a sub-pixel one,
         0 an ideal one. It scales the pixel pitch in quantization only.
     principal_point_px
         Where the optical axis meets the image, px ((0, 0) is the centre of the top-left pixel); by default
@@ -59,8 +59,8 @@ class Camera:
     intrinsics_covariance
         How well the camera is calibrated: ``(4 + k, 4 + k)`` covariance of fx, fy, cx, cy, px, and the k coefficients
         of the lens, as nested tuples; None for exactly.
-    locator
-        A sub-pixel edge locator, in place of quantization by ``edge_resolution_px``; None for the paper's.
+    edge detector
+        A sub-pixel edge detector, in place of quantization by ``edge_resolution_px``; None for the paper's.
     """
 
     focal_length_mm: float
@@ -73,7 +73,7 @@ class Camera:
     blur_limit_px: float = 1.0
     lens: Lens | None = None
     intrinsics_covariance: tuple[tuple[float, ...], ...] | None = None
-    locator: EdgeLocator | None = None
+    edge_detector: EdgeDetector | None = None
 
     def __post_init__(self) -> None:
         _finite_positive("focal_length_mm", self.focal_length_mm)
@@ -120,12 +120,12 @@ class Camera:
     @property
     def is_plain(self) -> bool:
         """A pinhole known exactly, with whole- or part-pixel quantization: the paper's."""
-        return self.lens is None and self.intrinsics_covariance is None and self.locator is None
+        return self.lens is None and self.intrinsics_covariance is None and self.edge_detector is None
 
     @property
     def without_errors(self) -> Camera:
         """The same camera, but that it finds points exactly and is known exactly."""
-        return replace(self, edge_resolution_px=0.0, intrinsics_covariance=None, locator=None)
+        return replace(self, edge_resolution_px=0.0, intrinsics_covariance=None, edge_detector=None)
 
     @property
     def border_px(self) -> NDArray[np.float64]:
@@ -150,8 +150,8 @@ class Camera:
 
     @property
     def quantization_step_mm(self) -> tuple[float, float]:
-        """Quantization step of the edge locator along u and v, mm; 0 with a sub-pixel locator."""
-        if self.locator is not None:
+        """Quantization step of the edge detector along u and v, mm; 0 with a sub-pixel edge detector."""
+        if self.edge_detector is not None:
             return (0.0, 0.0)
         pitch_u, pitch_v = self.pixel_pitch_mm
         return (pitch_u * self.edge_resolution_px, pitch_v * self.edge_resolution_px)

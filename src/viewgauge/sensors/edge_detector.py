@@ -8,12 +8,12 @@ import numpy as np
 
 from ..exceptions import InputError
 
-__all__ = ["EdgeLocator"]
+__all__ = ["EdgeDetector"]
 
 
 @dataclass(frozen=True)
-class EdgeLocator:
-    """A sub-pixel edge locator, in place of the paper's whole-pixel one.
+class EdgeDetector:
+    """A sub-pixel edge detector, in place of the paper's whole-pixel one.
 
     Parameters
     ----------
@@ -22,12 +22,12 @@ class EdgeLocator:
         (:func:`~viewgauge.errors.edge_point_deviation` from signal to noise and blur).
     bias_px
         Standard uncertainty of an offset, px, by which all edges of a bright part lie further out or further in than
-        they seem (exposure, blooming, focus): the same for both ends and at every look.
+        they seem (exposure, blooming, focus): the same for both ends and at every acquisition.
     edge_points
-        So many edge points, one px apart, are fitted by a line at each end of a gauge, and the whole rim of a hole or
-        boss by an ellipse; None where single edge points are picked.
+        So many edge points, one px apart, are fitted by a line at each end of a measurand, and the whole rim of a hole
+        or boss by an ellipse; None where single edge points are picked.
     clear_of_corner_px
-        Between the end of a gauge and the first point that is fitted, px.
+        Between the end of a measurand and the first point that is fitted, px.
     """
 
     noise_px: float

@@ -1,12 +1,12 @@
-"""The exact camera by brute force, independent of the laws it judges."""
+"""The full camera model by brute force, independent of the laws it judges."""
 
 from .averaged_errors import estimate_averaged_probability, simulate_mean_errors
 from .full_camera import Estimate, estimate_success_probability, simulate_length_errors
-from .quasi_monte_carlo import ExactEstimates, estimate_success_probabilities, require_precision
+from .quasi_monte_carlo import FullModelEstimates, estimate_success_probabilities, require_precision
 
 __all__ = [
     "Estimate",
-    "ExactEstimates",
+    "FullModelEstimates",
     "estimate_averaged_probability",
     "estimate_success_probabilities",
     "estimate_success_probability",

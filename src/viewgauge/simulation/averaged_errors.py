@@ -1,4 +1,6 @@
-"""The exact camera for the mean of several looks: one pose error that they share, and one of its own for each."""
+"""The full camera model for the mean of several viewpoints: one pose error that they share, and one of its own for
+each.
+"""
 
 from __future__ import annotations
 
@@ -32,31 +34,32 @@ def simulate_mean_errors(
     rng: np.random.Generator,
     rim_axis: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """Error of the mean of k looks at one dimension, ``(draws,)`` mm of the dimension.
+    """Error of the mean of k looks at one characteristic, ``(draws,)`` mm of the characteristic.
 
-    Each draw takes one common displacement of the scene, and for each look another one that comes after it (both
-    with true rotations, head frame), projects both ends, adds quantization errors and measures the length. A look's
-    result is the gauge's length times measured over nominal image length. NaN where a look's end is behind the camera.
+    Each draw takes one common displacement of the scene, and for each acquisition another one that comes after it (both
+    with true rotations, pose error frame), projects both ends, adds quantization errors and measures the length. A
+    look's result is the measurand's length times measured over nominal image length. NaN where an acquisition's end is
+    behind the camera.
 
     Parameters
     ----------
     points
-        ``(k, 2, 3)`` mm: both ends of the gauge of each look, in its camera frame.
+        ``(k, 2, 3)`` mm: both ends of the measurand of each acquisition, in its camera frame.
     rim_axis
-        ``(k, 3)``, of each look: as of :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
+        ``(k, 3)``, of each acquisition: as of :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
 
     Raises
     ------
     InputError
-        If the head's common part is not stated, or a gauge cannot be imaged.
+        If the head's common part is not stated, or a measurand cannot be imaged.
     """
-    looks = _require_looks(points)
+    acquisitions = _require_acquisitions(points)
     common, own = _factors(error)
     rotation, shift = displacements(rng.standard_normal((draws, 6)) @ common.T)
     total, width = np.zeros(draws), CameraDraws.width(camera)
     of_camera = CameraDraws.of(camera, rng.random((draws, width))) if not camera.is_plain else None
-    axes = [None] * len(looks) if rim_axis is None else list(rim_axis)
-    for ends, axis in zip(looks, axes, strict=True):
+    axes = [None] * len(acquisitions) if rim_axis is None else list(rim_axis)
+    for ends, axis in zip(acquisitions, axes, strict=True):
         own_rotation, own_shift = displacements(rng.standard_normal((draws, 6)) @ own.T)
         both = np.einsum("ijn,jkn->ikn", own_rotation, rotation)
         moved = np.einsum("ijn,jn->in", own_rotation, shift) + own_shift
@@ -68,7 +71,7 @@ def simulate_mean_errors(
             deviation = end_deviation_px(ends, camera, axis)
             errors = camera_length_errors(ends, camera, error, (both, moved), own_draws, deviation)
         total += errors * (np.linalg.norm(ends[1] - ends[0]) / nominal_length(ends, camera))
-    return total / len(looks)
+    return total / len(acquisitions)
 
 
 def estimate_averaged_probability(
@@ -82,7 +85,7 @@ def estimate_averaged_probability(
     rng: np.random.Generator | int | None = None,
     rim_axis: NDArray[np.float64] | None = None,
 ) -> Estimate:
-    """Pr{|mean of k looks - nominal| <= allowed error} of one dimension, by drawing (points as above)."""
+    """Pr{|mean of k acquisitions - nominal| <= allowed error} of one characteristic, by drawing (points as above)."""
     if not (np.isfinite(allowed_error_mm) and allowed_error_mm >= 0):
         raise InputError("must be finite and not negative", key="allowed_error_mm", got=allowed_error_mm)
     if draws < 1:
@@ -98,11 +101,11 @@ def estimate_averaged_probability(
     return Estimate.of(successes, draws, confidence)
 
 
-def _require_looks(points: ArrayLike) -> NDArray[np.float64]:
-    looks = np.asarray(points, dtype=float)
-    if looks.ndim != 3 or looks.shape[1:] != (2, 3) or not len(looks):
-        raise InputError("not k gauges, each with both its ends", key="points", got=f"shape {looks.shape}")
-    return require_points(looks[:, 0], looks[:, 1])
+def _require_acquisitions(points: ArrayLike) -> NDArray[np.float64]:
+    acquisitions = np.asarray(points, dtype=float)
+    if acquisitions.ndim != 3 or acquisitions.shape[1:] != (2, 3) or not len(acquisitions):
+        raise InputError("not k measurands, each with both its ends", key="points", got=f"shape {acquisitions.shape}")
+    return require_points(acquisitions[:, 0], acquisitions[:, 1])
 
 
 def _factors(error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -110,7 +113,7 @@ def _factors(error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]
     common, own = error.common_covariance, error.repeatability_covariance
     if common is None or own is None:
         raise InputError(
-            "the part of the pose error that is common to all looks is not stated",
+            "the part of the pose error that is common to all acquisitions is not stated",
             key="common_covariance",
             expected="a 6x6 covariance; zeros if there is none",
         )

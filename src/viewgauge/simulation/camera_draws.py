@@ -58,16 +58,16 @@ class CameraDraws:
         return cls(quantization, noise, offset, ndtri(parts[3]))
 
     def with_common(self, other: CameraDraws) -> CameraDraws:
-        """These, with what is common to all looks, offset and calibration, from another draw."""
+        """These, with what is common to all acquisitions, offset and calibration, from another draw."""
         return replace(self, offset=other.offset, intrinsics=other.intrinsics)
 
 
 def _widths(camera: Camera) -> tuple[int, int, int, int]:
-    locator, covariance = camera.locator, camera.intrinsics_covariance
+    edge_detector, covariance = camera.edge_detector, camera.intrinsics_covariance
     return (
         4 * (max(camera.quantization_step_mm) > 0),
-        4 * (locator is not None and locator.noise_px > 0),
-        int(locator is not None and locator.bias_px > 0),
+        4 * (edge_detector is not None and edge_detector.noise_px > 0),
+        int(edge_detector is not None and edge_detector.bias_px > 0),
         0 if covariance is None else len(covariance),
     )
 
@@ -102,17 +102,17 @@ def measured_images(
         shown = distort_each(parameters, images[:, end] / camera.focal_length_mm)
         px[:, end] = focal * shown + centre
     px = px + draws.noise * noise_px
-    if camera.locator is None:
+    if camera.edge_detector is None:
         px = px + draws.quantization * camera.edge_resolution_px
     else:
         outwards = camera.pixel_jacobian(nominal) @ (nominal[1] - nominal[0]) * [[-1], [1]]  # of start and end
         outwards = outwards / np.linalg.norm(outwards, axis=1, keepdims=True)
-        px = px + camera.locator.bias_px * draws.offset[:, None, None] * outwards
+        px = px + camera.edge_detector.bias_px * draws.offset[:, None, None] * outwards
     return camera.from_pixels(px)
 
 
 def end_deviation_px(points: NDArray[np.float64], camera: Camera, rim_axis: NDArray[np.float64] | None) -> float:
-    """Standard deviation of an end's location along u and along v, px, by a sub-pixel locator; 0 without one.
+    """Standard deviation of an end's location along u and along v, px, by a sub-pixel edge detector; 0 without one.
 
     Of a whole rim that is fitted it is that of either end which gives the fitted diameter's.
 
@@ -123,16 +123,16 @@ def end_deviation_px(points: NDArray[np.float64], camera: Camera, rim_axis: NDAr
     rim_axis
         ``(3,)``, camera frame; None or zeros for two ends that are located each by itself.
     """
-    locator = camera.locator
-    if locator is None:
+    edge_detector = camera.edge_detector
+    if edge_detector is None:
         return 0.0
-    if locator.edge_points is None:
-        return locator.noise_px
+    if edge_detector.edge_points is None:
+        return edge_detector.noise_px
     if rim_axis is not None and np.any(rim_axis):
-        return float(locator.noise_px * _rim_deviation(points, camera, np.asarray(rim_axis)) / np.sqrt(2))
-    t = locator.clear_of_corner_px + np.arange(locator.edge_points)
+        return float(edge_detector.noise_px * _rim_deviation(points, camera, np.asarray(rim_axis)) / np.sqrt(2))
+    t = edge_detector.clear_of_corner_px + np.arange(edge_detector.edge_points)
     design = np.stack([np.ones_like(t), t], axis=1)
-    return float(locator.noise_px * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
+    return float(edge_detector.noise_px * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
 
 
 def _rim_deviation(points: NDArray[np.float64], camera: Camera, axis: NDArray[np.float64]) -> float:

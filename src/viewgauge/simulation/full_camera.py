@@ -1,4 +1,4 @@
-"""The exact camera, by brute force: true rotations, euclidean image length, every error drawn.
+"""The full camera model, by brute force: true rotations, euclidean image length, every error drawn.
 
 This module judges the probability laws; it shares geometry with them and nothing else.
 """
@@ -50,7 +50,7 @@ class Estimate:
 
 
 def draw_pose_errors(error: PoseError, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Displacements ``(draws, 4, 4)`` of the scene, head frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
+    """Displacements ``(draws, 4, 4)`` of the scene, pose error frame: Trans(d) Rot_x Rot_y Rot_z (eq. 6)."""
     rotations, shifts = displacements(rng.standard_normal((draws, 6)) @ error.factor.T)
     displacement = np.zeros((draws, 4, 4))
     displacement[:, :3, :3] = np.moveaxis(rotations, -1, 0)
@@ -86,7 +86,7 @@ def exact_length_errors(
     points
         ``(2, 3)`` mm, camera frame, in front of the camera.
     twist
-        ``(n, 6)`` pose errors [x, y, z, rx, ry, rz], mm and rad, head frame.
+        ``(n, 6)`` pose errors [x, y, z, rx, ry, rz], mm and rad, pose error frame.
     quantization
         ``(n, 2)``: the end's less the start's location error along u and v, in quantization steps.
     """
@@ -115,7 +115,8 @@ def camera_length_errors(
     draws: CameraDraws,
     end_deviation_px: float,
 ) -> NDArray[np.float64]:
-    """:func:`displaced_length_errors` of a camera with a lens, a calibration and a locator, whose errors are drawn.
+    """:func:`displaced_length_errors` of a camera with a lens, a calibration and an edge detector, whose errors are
+    drawn.
 
     Parameters
     ----------
@@ -134,12 +135,12 @@ def displaced_images(
     displacement: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Ideal images u and v ``(n,)``, mm, of both ends, for displacements of the scene."""
-    assert error.T_camera_head is not None  # set by PoseError
-    orientation, origin = error.T_camera_head[:3, :3], error.T_camera_head[:3, 3]
+    assert error.T_camera_frame is not None  # set by PoseError
+    orientation, origin = error.T_camera_frame[:3, :3], error.T_camera_frame[:3, 3]
     rotation, shift = displacement
     shifted = orientation @ shift + origin[:, None]
     turned = (orientation @ rotation.reshape(3, -1)).reshape(3, 3, -1)
-    ends = transform(invert(error.T_camera_head), points)
+    ends = transform(invert(error.T_camera_frame), points)
     images = []
     for end in ends:
         x, y, z = turned[:, 0] * end[0] + turned[:, 1] * end[1] + turned[:, 2] * end[2] + shifted

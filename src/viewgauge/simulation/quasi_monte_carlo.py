@@ -1,4 +1,4 @@
-"""The exact camera to a stated precision, by randomised quasi-Monte Carlo.
+"""The full camera model to a stated precision, by randomised quasi-Monte Carlo.
 
 The uniforms behind the errors are R independently scrambled Sobol sequences in place of random numbers: each
 scramble's mean is an unbiased estimate, far less spread than that of as many random draws, and the R means, being
@@ -6,8 +6,8 @@ independent, tell how far they spread (Owen, *Ann. Statist.* 25 (1997) 1541; L'E
 are doubled until the interval is as narrow as asked.
 
 Ten numbers make one draw: six of the pose error and four of quantization. Only differences of the four enter, one
-along u and one along v, and the difference of two uniforms is one triangular number: eight dimensions are drawn, less
-those without variance. The normals are turned by an orthogonal matrix, which changes no law, so that the first of
+along u and one along v, and the difference of two uniforms is one triangular number: eight characteristics are drawn,
+less those without variance. The normals are turned by an orthogonal matrix, which changes no law, so that the first of
 them is the direction in which the image length changes most: the success of a draw is then almost a function of the
 three best spread coordinates of the sequence.
 """
@@ -34,7 +34,7 @@ from .full_camera import (
     require_points,
 )
 
-__all__ = ["ExactEstimates", "estimate_success_probabilities"]
+__all__ = ["FullModelEstimates", "estimate_success_probabilities"]
 
 SCRAMBLES = 16
 _FIRST_POINTS = 256  # of each scramble
@@ -44,8 +44,8 @@ _FEW = 50  # rarer outcomes than this over all scrambles: their spread is not to
 
 
 @dataclass(frozen=True)
-class ExactEstimates:
-    """Probabilities of n segments with the exact camera, and their confidence intervals.
+class FullModelEstimates:
+    """Probabilities of n segments with the full camera model, and their confidence intervals.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def estimate_success_probabilities(
     max_draws: int = 2**22,
     seed: int = 0,
     rim_axis: ArrayLike | None = None,
-) -> ExactEstimates:
+) -> FullModelEstimates:
     """Pr{|measured - nominal| <= T L} of n segments, each with as many draws as the precision needs.
 
     All segments see the same draws; the result of one does not depend on which others there are.
@@ -127,7 +127,7 @@ def estimate_success_probabilities(
     if rank == 0 and width == 0:
         return _without_error(segments)
     _refine(segments, rank, width, precision, confidence, max_draws // SCRAMBLES, seed)
-    return ExactEstimates(
+    return FullModelEstimates(
         np.array([s.probability for s in segments]),
         np.array([s.low for s in segments]),
         np.array([s.high for s in segments]),
@@ -201,10 +201,10 @@ def _draws(
         done += count
 
 
-def _without_error(segments: list[_Segment]) -> ExactEstimates:
+def _without_error(segments: list[_Segment]) -> FullModelEstimates:
     one = np.ones(len(segments))
     accuracy = np.array([float(s.length_mm > 0) for s in segments])
-    return ExactEstimates(one, one, one, accuracy, np.zeros(len(segments), dtype=np.int64))
+    return FullModelEstimates(one, one, one, accuracy, np.zeros(len(segments), dtype=np.int64))
 
 
 class _Segment:
@@ -280,7 +280,7 @@ def _steepest_first(points: NDArray[np.float64], camera: Camera, error: PoseErro
     """The axes of the pose error turned so that the length changes along the first, and there only, at first order.
 
     Any orthogonal turn gives the same law; this one (a Householder reflection) is found from differences of the
-    exact camera itself over a tenth of a standard deviation.
+    full camera model itself over a tenth of a standard deviation.
     """
     axes = twist_axes(error)
     rank = axes.shape[1]

@@ -1,4 +1,4 @@
-"""Whether a gauge can be observed from a sensor setting."""
+"""Whether a measurand can be observed from a viewpoint."""
 
 from .culling import OCCLUDED, REASONS, VISIBLE, Culling
 from .limits import ObservationLimits

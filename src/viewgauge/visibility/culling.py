@@ -1,4 +1,4 @@
-"""The conditions on which a gauge can be observed, but for occlusion, for a block of settings at once."""
+"""The conditions on which a measurand can be observed, but for occlusion, for a block of viewpoints at once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..geometry import VIEWS
 from ..geometry.lens import distorted
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
 from .limits import ObservationLimits
 
@@ -26,16 +26,16 @@ _WIDER = 0.002  # of the image: its border may bulge between the points of it th
 
 
 class Culling:
-    """Tests gauges against all conditions but occlusion, the costly one.
+    """Tests measurands against all conditions but occlusion, the costly one.
 
     In this order: both ends in front of the camera; both inside the image less a margin; at each end at least one
     adjoining face turned to the camera; image long enough; both ends in focus.
     """
 
-    def __init__(self, gauges: GaugeTable, camera: Camera, limits: ObservationLimits) -> None:
-        self._points = np.ascontiguousarray(gauges.points)
-        self._normals = np.ascontiguousarray(gauges.normals)
-        there = (gauges.normals != 0).any(axis=-1)  # what follows the last is padding
+    def __init__(self, measurands: MeasurandTable, camera: Camera, limits: ObservationLimits) -> None:
+        self._points = np.ascontiguousarray(measurands.points)
+        self._normals = np.ascontiguousarray(measurands.normals)
+        there = (measurands.normals != 0).any(axis=-1)  # what follows the last is padding
         self._normal_count = (there * np.arange(1, there.shape[-1] + 1)).max(axis=-1, initial=0)
         focal, low = camera.focal_length_mm, limits.margin_px - 0.5
         scale = focal / np.asarray(camera.pixel_pitch_mm)

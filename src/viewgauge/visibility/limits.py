@@ -1,4 +1,4 @@
-"""When a gauge counts as observable."""
+"""When a measurand counts as observable."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class ObservationLimits:
     Parameters
     ----------
     margin_px
-        Width of the image border in which no end of a gauge may lie, px.
+        Width of the image border in which no end of a measurand may lie, px.
     minimum_length_px
-        Shortest image of a gauge that is measured, px.
+        Shortest image of a measurand that is measured, px.
     grazing_angle_rad
         A face counts as turned to the camera when the line of sight makes at least this angle with it.
     """

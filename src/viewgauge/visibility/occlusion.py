@@ -1,4 +1,4 @@
-"""Whether the part hides a gauge from a camera, by Embree's ray caster."""
+"""Whether the part hides a measurand from a camera, by Embree's ray caster."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..geometry import VIEWS
 from ..part import Mesh
-from ..part.measurand_table import GaugeTable
+from ..part.measurand_table import MeasurandTable
 
 __all__ = ["Occluder", "SightLines"]
 
@@ -66,56 +66,56 @@ class Occluder:
 
 
 class SightLines:
-    """Casts the rays from gauges to cameras.
+    """Casts the rays from measurands to cameras.
 
-    A gauge is hidden where the part hides an end, or any sample of it if the whole of it must be seen.
+    A measurand is hidden where the part hides an end, or any sample of it if the whole of it must be seen.
     """
 
-    def __init__(self, gauges: GaugeTable, occluder: Occluder) -> None:
-        outward = gauges.normals.sum(axis=2)
+    def __init__(self, measurands: MeasurandTable, occluder: Occluder) -> None:
+        outward = measurands.normals.sum(axis=2)
         outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), np.finfo(float).tiny)
         # from here rays of the two ends start, and rays of samples between them from between
-        self._origins = np.ascontiguousarray(gauges.points + occluder.clearance_mm * outward - occluder.centre_mm)
-        self._whole = gauges.whole
+        self._origins = np.ascontiguousarray(measurands.points + occluder.clearance_mm * outward - occluder.centre_mm)
+        self._whole = measurands.whole
         self._occluder = occluder
 
     def hidden(
-        self, views: NDArray[np.float64], setting: NDArray[np.int64], gauge: NDArray[np.int64]
+        self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]
     ) -> NDArray[np.bool_]:
-        """``(p,)``: whether the part hides the gauge from the setting, for pairs of a block of settings.
+        """``(p,)``: whether the part hides the measurand from the viewpoint, for pairs of a block of viewpoints.
 
         Parameters
         ----------
         views
             From :func:`~viewgauge.geometry.view_block`.
-        setting, gauge
-            ``(p,)``: indices into the block, and into the table of gauges.
+        viewpoint, measurand
+            ``(p,)``: indices into the block, and into the table of measurands.
         """
-        setting, gauge = np.ascontiguousarray(setting), np.ascontiguousarray(gauge)
-        hidden = self._any_blocked(views, setting, gauge, _START)
+        viewpoint, measurand = np.ascontiguousarray(viewpoint), np.ascontiguousarray(measurand)
+        hidden = self._any_blocked(views, viewpoint, measurand, _START)
         for fractions, asked in (
-            (_END, np.ones(len(setting), dtype=bool)),
-            (_BETWEEN, self._whole[gauge]),
+            (_END, np.ones(len(viewpoint), dtype=bool)),
+            (_BETWEEN, self._whole[measurand]),
         ):
             left = np.flatnonzero(asked & ~hidden)
             if len(left):
-                hidden[left] = self._any_blocked(views, setting[left], gauge[left], fractions)
+                hidden[left] = self._any_blocked(views, viewpoint[left], measurand[left], fractions)
         return hidden
 
     def _any_blocked(
         self,
         views: NDArray[np.float64],
-        setting: NDArray[np.int64],
-        gauge: NDArray[np.int64],
+        viewpoint: NDArray[np.int64],
+        measurand: NDArray[np.int64],
         fractions: NDArray[np.float64],
     ) -> NDArray[np.bool_]:
-        blocked = np.zeros(len(setting), dtype=bool)
+        blocked = np.zeros(len(viewpoint), dtype=bool)
         pairs = max(1, _RAYS_PER_CAST // len(fractions))
-        for first in range(0, len(setting), pairs):
+        for first in range(0, len(viewpoint), pairs):
             chunk = slice(first, first + pairs)
-            n = len(setting[chunk]) * len(fractions)
+            n = len(viewpoint[chunk]) * len(fractions)
             rays = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32), np.empty(n, np.float32)
-            _rays(views, setting[chunk], gauge[chunk], fractions, self._origins, self._occluder.centre_mm, *rays)
+            _rays(views, viewpoint[chunk], measurand[chunk], fractions, self._origins, self._occluder.centre_mm, *rays)
             blocked[chunk] = self._occluder.blocked(*rays).reshape(-1, len(fractions)).any(axis=1)
         return blocked
 
@@ -127,11 +127,11 @@ class SightLines:
     nogil=True,
     error_model="numpy",
 )
-def _rays(views, setting, gauge, fractions, origins, centre, origin, direction, reach):  # type: ignore[no-untyped-def]
-    """Rays from points of gauges to the settings' centres of projection: origin, unit direction, length."""
+def _rays(views, viewpoint, measurand, fractions, origins, centre, origin, direction, reach):  # type: ignore[no-untyped-def]
+    """Rays from points of measurands to the viewpoints' centres of projection: origin, unit direction, length."""
     ray = 0
-    for k in range(len(setting)):
-        s, g = setting[k], gauge[k]
+    for k in range(len(viewpoint)):
+        s, g = viewpoint[k], measurand[k]
         ex, ey, ez = (
             views[12 * VIEWS + s] - centre[0],
             views[13 * VIEWS + s] - centre[1],

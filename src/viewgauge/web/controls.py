@@ -15,7 +15,7 @@ from .uploads import INSPECTION_SUFFIXES, OTHER_SUFFIXES
 
 __all__ = ["LOOK_AT", "Controls"]
 
-LOOK_AT = ("the part", "all", "as the setting")
+LOOK_AT = ("the part", "all", "as the viewpoint")
 
 _STEPS = 50  # of a slider, for today's value
 
@@ -32,7 +32,7 @@ class _Dial:
 
 _DIALS = (
     _Dial("Pixel pitch / µm", "Smaller pixels on a sensor of the same size.", "pixel_pitch_mm", 1e3),
-    _Dial("Edge location / px", "Step of the edge locator, or its noise: 1 is a whole pixel.", "edge_px"),
+    _Dial("Edge location / px", "Step of the edge detector, or its noise: 1 is a whole pixel.", "edge_px"),
     _Dial("Focal length / mm", "The cameras stay where they are.", "focal_length_mm"),
     _Dial("Distance / % of the planned", "All cameras nearer or farther along their axes.", "distance", 100.0),
     _Dial("Head: translation / mm", "Largest of the three standard deviations.", "translation_mm"),
@@ -61,18 +61,18 @@ class Controls:
         self.style = gui.add_html("")
         self.verdict = gui.add_html("")
         self.legend = gui.add_html("")
-        self.replan = gui.add_button("Plan again", hint="Look for the fewest settings with the knobs as they are.")
+        self.replan = gui.add_button("Plan again", hint="Look for the fewest viewpoints with the knobs as they are.")
         self.cancel = gui.add_button("Cancel planning", color="red", visible=False)
         self.bar = gui.add_progress_bar(0.0, visible=False, animated=True)
         self.stage = gui.add_html("", visible=False)
         self.knobs_folder = gui.add_folder("What if …")
         with gui.add_folder("Show", expand_by_default=False):
-            self.look = gui.add_button_group("Look at", LOOK_AT)
+            self.acquisition = gui.add_button_group("Look at", LOOK_AT)
             self.see_through = gui.add_checkbox("See through the part", False)
-            self.names = gui.add_checkbox("Names of the dimensions", False)
-            self.candidates = gui.add_checkbox("Candidate settings", False)
-            self.directions = gui.add_checkbox("Directions of the chosen dimension", False)
-            self.drag = gui.add_checkbox("Drag the chosen setting", False)
+            self.names = gui.add_checkbox("Names of the characteristics", False)
+            self.candidates = gui.add_checkbox("Candidate viewpoints", False)
+            self.directions = gui.add_checkbox("Directions of the chosen characteristic", False)
+            self.drag = gui.add_checkbox("Drag the chosen viewpoint", False)
             self.dark = gui.add_checkbox("Dark page", False)
         with gui.add_folder("Files", expand_by_default=False):
             self.upload_other = gui.add_upload_button(
@@ -83,8 +83,8 @@ class Controls:
             self.upload = gui.add_upload_button("Load an inspection file", mime_type=",".join(INSPECTION_SUFFIXES))
             self.save_inspection = gui.add_button("Save the inspection (YAML)", hint="With the knobs as they are.")
             self.save_report = gui.add_button("Save the report (HTML)", hint="Of the plan as it was made.")
-            self.save_plan = gui.add_button("Save the plan (ZIP)", hint="plan.json, settings, assignments, report.")
-            self.save_settings = gui.add_button("Save the settings (CSV)", hint="Where the cameras stand now.")
+            self.save_plan = gui.add_button("Save the plan (ZIP)", hint="plan.json, viewpoints, assignments, report.")
+            self.save_viewpoints = gui.add_button("Save the viewpoints (CSV)", hint="Where the cameras stand now.")
             self.file_message = gui.add_html("")
 
     def show_knobs(self, inspection: Inspection, knobs: KnobValues) -> None:
@@ -104,7 +104,7 @@ class Controls:
                 step=0.0005,
                 initial_value=knobs.probability,
                 disabled=knobs.required is None,
-                hint="How surely every dimension has to be measured.",
+                hint="How surely every characteristic has to be measured.",
             )
             reset = self._gui.add_button("As the inspection has it")
         self._dials["reset"] = reset
@@ -176,7 +176,7 @@ class Controls:
                 max=100 - step,
                 step=step,
                 initial_value=min(shown, 100 - step),
-                hint="Of the length, that every dimension must be measured to.",
+                hint="Of the length, that every characteristic must be measured to.",
             )
         label = "Allowed error / mm" if requirement.kind == "error" else "Allowed share of the tolerance / %"
         step = _nice(shown / _STEPS)

@@ -12,13 +12,13 @@ __all__ = ["APEX_TO_BASE", "picked"]
 APEX_TO_BASE = 0.16
 """Height of the pyramids that stand for cameras, of the part's size."""
 
-_OF_GAUGE, _OF_CAMERA = 0.04, 0.06  # how near the ray must pass, of the part's size
+_OF_MEASURAND, _OF_CAMERA = 0.04, 0.06  # how near the ray must pass, of the part's size
 
 
 def picked(
     answers: Answers, size_mm: float, origin: NDArray[np.float64], direction: NDArray[np.float64]
 ) -> tuple[str, str] | None:
-    """The dimension or the setting that is nearest to a ray.
+    """The characteristic or the viewpoint that is nearest to a ray.
 
     Parameters
     ----------
@@ -29,18 +29,20 @@ def picked(
 
     Returns
     -------
-    ("dimension", id) or ("setting", name); None where nothing is near.
+    ("characteristic", id) or ("viewpoint", name); None where nothing is near.
     """
     nearest, found = np.inf, None
-    for answer in answers.dimensions:
-        apart = _from_ray(np.linspace(answer.gauge.start, answer.gauge.end, 33), origin, direction) / _OF_GAUGE
+    for answer in answers.characteristics:
+        apart = (
+            _from_ray(np.linspace(answer.measurand.start, answer.measurand.end, 33), origin, direction) / _OF_MEASURAND
+        )
         if apart < nearest:
-            nearest, found = apart, ("dimension", answer.dimension.id)
-    for name, T in answers.settings.items():
+            nearest, found = apart, ("characteristic", answer.characteristic.id)
+    for name, T in answers.viewpoints.items():
         axis = T[:3, 3] + np.outer(np.linspace(0, APEX_TO_BASE * size_mm, 9), T[:3, 2])
         apart = _from_ray(axis, origin, direction) / _OF_CAMERA
         if apart < nearest:
-            nearest, found = apart, ("setting", name)
+            nearest, found = apart, ("viewpoint", name)
     return found if nearest < size_mm else None
 
 

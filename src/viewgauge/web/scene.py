@@ -1,4 +1,4 @@
-"""The part, the gauges and the cameras in three dimensions, for one visitor."""
+"""The part, the measurands and the cameras in three dimensions, for one visitor."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from ..planning.candidates.direction_map import DirectionMap
 from ..planning.improve.answers import Answers
 from ..planning.inspection import Inspection
-from ..report.palette import UNMET_COLOUR, UNSEEN_COLOUR, colours_of, probability_colour
+from ..report.palette import NOT_MET_COLOUR, UNSEEN_COLOUR, colours_of, probability_colour
 from ..report.pictures.simplify import picture_mesh
 from .picking import APEX_TO_BASE, picked
 from .tone import before_tone_curve
@@ -64,19 +64,19 @@ class Scene:
         self.look_at_part()
 
     def see_through(self, yes: bool) -> None:
-        """Let gauges behind the part's surface be seen."""
+        """Let measurands behind the part's surface be seen."""
         self._shown["/part"].opacity = 0.35 if yes else 1.0
 
     def look_at_part(self) -> None:
         """From above a corner."""
-        self._look(self._centre + self._size_mm * np.array([1.0, -1.5, 1.05]), self._centre)
+        self._acquisition(self._centre + self._size_mm * np.array([1.0, -1.5, 1.05]), self._centre)
 
-    def look_at_all(self, settings: Mapping[str, NDArray[np.float64]]) -> None:
+    def look_at_all(self, viewpoints: Mapping[str, NDArray[np.float64]]) -> None:
         """At the part and all cameras, from beside them."""
-        if not settings:
+        if not viewpoints:
             self.look_at_part()
             return
-        eyes = np.array([T[:3, 3] for T in settings.values()]) - self._centre
+        eyes = np.array([T[:3, 3] for T in viewpoints.values()]) - self._centre
         mean = (eyes / np.linalg.norm(eyes, axis=1, keepdims=True)).mean(axis=0)
         if np.linalg.norm(mean) < 0.2:  # they stand all around
             mean = np.array([0.55, -0.65, 0.5])
@@ -87,13 +87,13 @@ class Scene:
         high = np.maximum(eyes.max(axis=0), self._size_mm / 2)
         middle = self._centre + (low + high) / 2
         radius = 0.5 * float(np.linalg.norm(high - low)) + 0.1 * self._size_mm
-        self._look(middle + radius / np.tan(_NARROW * _FIELD_OF_VIEW_RAD / 2) * away, middle)
+        self._acquisition(middle + radius / np.tan(_NARROW * _FIELD_OF_VIEW_RAD / 2) * away, middle)
 
     def look_through(self, T_part_camera: NDArray[np.float64]) -> None:
-        """As a setting's camera sees the part."""
-        self._look(T_part_camera[:3, 3], self._centre)
+        """As a viewpoint's camera sees the part."""
+        self._acquisition(T_part_camera[:3, 3], self._centre)
 
-    def _look(self, eye: NDArray[np.float64], at: NDArray[np.float64]) -> None:
+    def _acquisition(self, eye: NDArray[np.float64], at: NDArray[np.float64]) -> None:
         with self._client.atomic():
             camera = self._client.camera
             camera.up_direction = (0.0, 0.0, 1.0)
@@ -107,54 +107,58 @@ class Scene:
         self._frusta.clear()
 
     def show_answers(self, answers: Answers, chosen: str | None, *, names: bool) -> None:
-        """The gauges, coloured by probability; what is not met is thick and has diamonds."""
-        required = answers.requirement.probability
-        groups: dict[str, list[tuple[NDArray[np.float64], str]]] = {"met": [], "unmet": [], "unseen": []}
+        """The measurands, coloured by probability; what is not met is thick and has diamonds."""
+        required = answers.setup.requirement.probability
+        groups: dict[str, list[tuple[NDArray[np.float64], str]]] = {"met": [], "not_met": [], "unseen": []}
         labels: list[tuple[str, NDArray[np.float64]]] = []
-        for answer in answers.dimensions:
-            ends = np.stack([answer.gauge.start, answer.gauge.end])
-            seen = answer.setting is not None
+        for answer in answers.characteristics:
+            ends = np.stack([answer.measurand.start, answer.measurand.end])
+            seen = answer.viewpoint is not None
             colour = probability_colour(answer.probability, required) if seen else UNSEEN_COLOUR
-            groups["met" if answer.met else "unmet" if seen else "unseen"].append((ends, colour))
-            if names or answer.dimension.id == chosen:
+            groups["met" if answer.met else "not_met" if seen else "unseen"].append((ends, colour))
+            if names or answer.characteristic.id == chosen:
                 mark = "" if answer.met else "✗ "
-                labels.append((mark + answer.dimension.id, ends.mean(axis=0)))
-        widths = {"met": 5.0, "unmet": 9.0, "unseen": 7.0}
+                labels.append((mark + answer.characteristic.id, ends.mean(axis=0)))
+        widths = {"met": 5.0, "not_met": 9.0, "unseen": 7.0}
         with self._client.atomic():
-            for group, gauges in groups.items():
-                segments = np.array([ends for ends, _ in gauges]) if gauges else None
-                colours = np.array([[rgb(colour)] * 2 for _, colour in gauges], dtype=np.uint8)
-                self._lines(f"/gauges/{group}", segments, colours, widths[group])
-                marked = [(ends, UNMET_COLOUR) for ends, _ in gauges] if group == "unseen" else gauges
-                self._ends(f"/gauges/{group}_ends", marked, 0.008 if group == "met" else 0.013)
+            for group, measurands in groups.items():
+                segments = np.array([ends for ends, _ in measurands]) if measurands else None
+                colours = np.array([[rgb(colour)] * 2 for _, colour in measurands], dtype=np.uint8)
+                self._lines(f"/measurands/{group}", segments, colours, widths[group])
+                marked = [(ends, NOT_MET_COLOUR) for ends, _ in measurands] if group == "unseen" else measurands
+                self._ends(f"/measurands/{group}_ends", marked, 0.008 if group == "met" else 0.013)
             self._halo(answers, chosen)
             self._labels(labels[:_LABELS])
 
     def _halo(self, answers: Answers, chosen: str | None) -> None:
-        """Around the chosen dimension."""
-        ends = [np.stack([a.gauge.start, a.gauge.end]) for a in answers.dimensions if a.dimension.id == chosen]
-        self._lines("/gauges/chosen", np.array(ends) if ends else None, (0xFF, 0xD0, 0x00), 14.0)
+        """Around the chosen characteristic."""
+        ends = [
+            np.stack([a.measurand.start, a.measurand.end])
+            for a in answers.characteristics
+            if a.characteristic.id == chosen
+        ]
+        self._lines("/measurands/chosen", np.array(ends) if ends else None, (0xFF, 0xD0, 0x00), 14.0)
 
-    def show_settings(self, answers: Answers, chosen: str | None) -> None:
+    def show_viewpoints(self, answers: Answers, chosen: str | None) -> None:
         """The cameras as pyramids; the chosen one with thicker lines."""
-        camera = answers.camera
+        camera = answers.setup.camera
         columns, rows = camera.resolution
         height = rows * camera.pixel_pitch_mm[1]
         aspect = columns * camera.pixel_pitch_mm[0] / height
         fov = 2 * float(np.arctan2(height / 2, camera.focal_length_mm))
-        colours = colours_of(answers.settings)
+        colours = colours_of(answers.viewpoints)
         with self._client.atomic():
-            for name in set(self._frusta) - set(answers.settings):
-                self._take_away(f"/settings/{name}")
+            for name in set(self._frusta) - set(answers.viewpoints):
+                self._take_away(f"/viewpoints/{name}")
                 self._frusta.pop(name)
-            for name, T in answers.settings.items():
-                look = (round(fov, 9), round(aspect, 9), name == chosen)
-                if self._frusta.get(name) != look:
-                    self._frusta[name] = look
+            for name, T in answers.viewpoints.items():
+                acquisition = (round(fov, 9), round(aspect, 9), name == chosen)
+                if self._frusta.get(name) != acquisition:
+                    self._frusta[name] = acquisition
                     self._put(
-                        f"/settings/{name}",
+                        f"/viewpoints/{name}",
                         self._scene.add_camera_frustum(
-                            f"/settings/{name}",
+                            f"/viewpoints/{name}",
                             fov,
                             aspect,
                             scale=APEX_TO_BASE * self._size_mm,
@@ -163,12 +167,12 @@ class Scene:
                             color=rgb(colours[name]),
                         ),
                     )
-                    self._put(f"/settings/{name}/name", self._scene.add_label(f"/settings/{name}/name", name))
-                handle = self._shown[f"/settings/{name}"]
+                    self._put(f"/viewpoints/{name}/name", self._scene.add_label(f"/viewpoints/{name}/name", name))
+                handle = self._shown[f"/viewpoints/{name}"]
                 handle.wxyz, handle.position = _quaternions(T), T[:3, 3]
 
     def show_candidates(self, poses: NDArray[np.float64] | None, share: NDArray[np.float64]) -> None:
-        """Candidate settings as small pyramids, the bluer the more they measure; None for none."""
+        """Candidate viewpoints as small pyramids, the bluer the more they measure; None for none."""
         if poses is None or not len(poses):
             self._take_away("/candidates")
             return
@@ -194,7 +198,9 @@ class Scene:
         )
 
     def show_directions(self, found: DirectionMap | None, required: float) -> None:
-        """Directions around the part, a small sphere, coloured by the probability of one dimension; None for none."""
+        """Directions around the part, a small sphere, coloured by the probability of one characteristic; None for
+        none.
+        """
         if found is None:
             self._take_away("/directions")
             return
@@ -250,13 +256,13 @@ class Scene:
             handle = self._scene.add_line_segments(name, segments, drawn, thickness=width, thickness_units="screen")
             self._put(name, handle)
 
-    def _ends(self, name: str, gauges: list[tuple[NDArray[np.float64], str]], size: float) -> None:
-        if not gauges:
+    def _ends(self, name: str, measurands: list[tuple[NDArray[np.float64], str]], size: float) -> None:
+        if not measurands:
             self._take_away(name)
             return
         vertices, faces = _OCTAHEDRON
-        places = np.concatenate([ends for ends, _ in gauges])
-        colours = np.array([rgb(colour) for _, colour in gauges for _ in range(2)], dtype=np.uint8)
+        places = np.concatenate([ends for ends, _ in measurands])
+        colours = np.array([rgb(colour) for _, colour in measurands for _ in range(2)], dtype=np.uint8)
         self._put(
             name,
             self._scene.add_batched_meshes_simple(

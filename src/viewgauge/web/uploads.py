@@ -17,7 +17,7 @@ MOST_BYTES = 64 * 2**20
 
 INSPECTION_SUFFIXES = (".yaml", ".yml")
 OTHER_SUFFIXES = (".stp", ".step", ".p21", ".stl", ".ply", ".obj", ".csv", ".yaml", ".yml")
-"""Parts, settings, covariances, calibrations."""
+"""Parts, viewpoints, covariances, calibrations."""
 
 _MOST_FILES = 20
 _MOST_TEXT_BYTES = 2**20

@@ -21,14 +21,14 @@ from viser._messages import RunJavascriptMessage
 from ..exceptions import InputError, JobCancelledError, ViewgaugeError
 from ..execution.child_process import Job, Stage
 from ..jobs.workbench.child_jobs import load_uploaded, plan_again
-from ..jobs.workbench.downloads import plan_archive, settings_text
-from ..jobs.workbench.saved_inspection import turned_inspection_text
+from ..jobs.workbench.downloads import plan_archive, viewpoints_text
+from ..jobs.workbench.saved_inspection import changed_inspection_text
 from ..jobs.workbench.what_if import WhatIf
 from ..jobs.write_report import plan_report
 from ..planning.improve.answers import Answers
 from ..planning.inspection import Inspection
 from ..report.palette import DARK, LIGHT
-from ..report.workbench import bench_style, legend, message, verdict_markup
+from ..report.workbench import legend, message, verdict_markup, workbench_style
 from .controls import LOOK_AT, Controls
 from .findings import Findings, choose
 from .refresher import Refresher
@@ -82,11 +82,11 @@ class Visitor:
             {
                 "answers": self._answer,
                 "scene": self._show_scene,
-                "setting": self._show_setting,
-                "dimension": self._show_dimension,
+                "viewpoint": self._show_viewpoint,
+                "characteristic": self._show_characteristic,
                 "candidates": self._show_candidates,
             },
-            frozenset({"setting", "dimension", "candidates"}),
+            frozenset({"viewpoint", "characteristic", "candidates"}),
             self._failed,
         )
         self._theme()
@@ -107,12 +107,12 @@ class Visitor:
         controls.names.on_update(lambda _: ask("answers"))
         controls.see_through.on_update(lambda _: self._scene.see_through(controls.see_through.value))
         controls.candidates.on_update(lambda _: ask("candidates"))
-        controls.directions.on_update(lambda _: ask("dimension"))
+        controls.directions.on_update(lambda _: ask("characteristic"))
         controls.drag.on_update(lambda _: self._hold())
         controls.dark.on_update(lambda _: self._theme())
-        controls.look.on_click(lambda event: self._look(event.target.value))
-        findings.dimension.on_update(lambda _: ask("answers", "setting", "dimension"))
-        findings.setting.on_update(lambda _: self._chose_setting())
+        controls.acquisition.on_click(lambda event: self._acquisition(event.target.value))
+        findings.characteristic.on_update(lambda _: ask("answers", "viewpoint", "characteristic"))
+        findings.viewpoint.on_update(lambda _: self._chose_viewpoint())
         controls.replan.on_click(lambda _: self._plan())
         controls.cancel.on_click(lambda _: self._cancel())
         controls.upload.on_upload(lambda event: self._load(event.target.value))
@@ -120,7 +120,7 @@ class Visitor:
         controls.save_inspection.on_click(lambda _: self._give(self._inspection_file))
         controls.save_report.on_click(lambda _: self._give(self._report_file))
         controls.save_plan.on_click(lambda _: self._give(self._plan_file))
-        controls.save_settings.on_click(lambda _: self._give(self._settings_file))
+        controls.save_viewpoints.on_click(lambda _: self._give(self._viewpoints_file))
         self._client.scene.on_click()(self._clicked)
 
     # what is loaded
@@ -135,14 +135,14 @@ class Visitor:
             self._controls.show_knobs(inspection, self._today)
             self._scene.show_part(inspection)
             self._scene.see_through(self._controls.see_through.value)
-            self._scene.look_at_all(self._what_if.settings(self._today))
+            self._scene.look_at_all(self._what_if.viewpoints(self._today))
             self._offer()
             self._hold()
-        self._refresher.ask("answers", "setting", "dimension", "candidates")
+        self._refresher.ask("answers", "viewpoint", "characteristic", "candidates")
 
     def _offer(self) -> None:
-        settings = [] if self._plan_made is None else [setting.id for setting in self._plan_made.settings]
-        self._findings.offer([dimension.id for dimension in self._what_if.dimensions], settings)
+        viewpoints = [] if self._plan_made is None else [viewpoint.id for viewpoint in self._plan_made.viewpoints]
+        self._findings.offer([characteristic.id for characteristic in self._what_if.characteristics], viewpoints)
 
     def _planned(self, plan: Plan, planned_for: Inspection) -> None:
         """Go on with another plan of the same inspection; the knobs stay as they are."""
@@ -151,10 +151,10 @@ class Visitor:
             self._what_if = WhatIf(self._inspection, plan)
             self._dragged.clear()
             self._controls.set_distance(1.0)
-            self._scene.look_at_all(self._what_if.settings(self._today))
+            self._scene.look_at_all(self._what_if.viewpoints(self._today))
             self._offer()
             self._hold()
-        self._refresher.ask("answers", "setting", "dimension")
+        self._refresher.ask("answers", "viewpoint", "characteristic")
 
     def _first_plan(self, outcome: Plan | Stage | ViewgaugeError) -> None:
         """Of the plan that all visitors begin with: how far it is, or what became of it."""
@@ -173,18 +173,18 @@ class Visitor:
 
     def _answer(self) -> None:
         with self._lock:
-            if not self._what_if.dimensions:
-                self._findings.show_refused(self._what_if, dark=self._controls.dark.value)
-                self._controls.verdict.content = message("No dimension can be measured.", bad=True)
+            if not self._what_if.characteristics:
+                self._findings.show_not_measurable(self._what_if, dark=self._controls.dark.value)
+                self._controls.verdict.content = message("No characteristic can be measured.", bad=True)
                 return
             try:
                 answers = self._answers = self._what_if.answers(self._knobs(), self._dragged)
             except InputError as error:
                 self._controls.verdict.content = message(str(error), bad=True)
                 return
-            if answers.settings or not self._working:
+            if answers.viewpoints or not self._working:
                 self._controls.verdict.content = verdict_markup(answers, self._inspection.requirement)
-            self._controls.legend.content = legend(answers.requirement.probability)
+            self._controls.legend.content = legend(answers.setup.requirement.probability)
             self._findings.show_table(self._what_if, answers, dark=self._controls.dark.value)
             self._client.flush()  # the numbers before the picture, which takes a browser longer
         self._refresher.ask("scene")
@@ -192,25 +192,25 @@ class Visitor:
     def _show_scene(self) -> None:
         answers = self._now()
         if answers is not None:
-            chosen, setting = self._findings.chosen_dimension, self._findings.chosen_setting
+            chosen, viewpoint = self._findings.chosen_characteristic, self._findings.chosen_viewpoint
             self._scene.show_answers(answers, chosen, names=self._controls.names.value)
-            self._scene.show_settings(answers, setting)
+            self._scene.show_viewpoints(answers, viewpoint)
 
-    def _show_dimension(self) -> None:
-        answers, chosen = self._now(), self._findings.chosen_dimension
+    def _show_characteristic(self) -> None:
+        answers, chosen = self._now(), self._findings.chosen_characteristic
         if answers is None or chosen is None:
             return
-        self._findings.show_dimension(self._what_if, answers, dark=self._controls.dark.value)
+        self._findings.show_characteristic(self._what_if, answers, dark=self._controls.dark.value)
         found = None
         if self._controls.directions.value:
             distance = self._what_if.working_distance_mm(answers, chosen)
             found = self._what_if.directions(answers, chosen, distance)
-        self._scene.show_directions(found, answers.requirement.probability)
+        self._scene.show_directions(found, answers.setup.requirement.probability)
 
-    def _show_setting(self) -> None:
+    def _show_viewpoint(self) -> None:
         answers = self._now()
         if answers is not None:
-            self._findings.show_setting(self._what_if, answers, dark=self._controls.dark.value)
+            self._findings.show_viewpoint(self._what_if, answers, dark=self._controls.dark.value)
 
     def _show_candidates(self) -> None:
         answers = self._now()
@@ -234,9 +234,9 @@ class Visitor:
             show_share_button=False,
             brand_color=(80, 165, 235) if dark else (0, 82, 145),
         )
-        self._controls.style.content = bench_style(DARK if dark else LIGHT)
+        self._controls.style.content = workbench_style(DARK if dark else LIGHT)
         if hasattr(self, "_inspection"):
-            self._refresher.ask("answers", "setting", "dimension")
+            self._refresher.ask("answers", "viewpoint", "characteristic")
 
     def _failed(self, error: Exception) -> None:
         if not self._closed:
@@ -247,7 +247,7 @@ class Visitor:
     def _turned(self) -> None:
         if self._held is not None:
             self._hold()  # the handle goes with its camera
-        self._refresher.ask("answers", "setting", "dimension", "candidates")
+        self._refresher.ask("answers", "viewpoint", "characteristic", "candidates")
 
     def _reset(self) -> None:
         """All cameras stand where they were planned."""
@@ -265,31 +265,31 @@ class Visitor:
         found = self._scene.picked(answers, np.array(event.ray_origin), np.array(event.ray_direction))
         if found is not None:
             kind, name = found
-            choose(self._findings.dimension if kind == "dimension" else self._findings.setting, name)
+            choose(self._findings.characteristic if kind == "characteristic" else self._findings.viewpoint, name)
 
-    def _look(self, where: str) -> None:
+    def _acquisition(self, where: str) -> None:
         with self._lock:
-            settings = self._what_if.settings(self._knobs(), self._dragged)
-        chosen = self._findings.chosen_setting
-        if where == LOOK_AT[2] and chosen in settings:
-            self._scene.look_through(settings[chosen])
+            viewpoints = self._what_if.viewpoints(self._knobs(), self._dragged)
+        chosen = self._findings.chosen_viewpoint
+        if where == LOOK_AT[2] and chosen in viewpoints:
+            self._scene.look_through(viewpoints[chosen])
         elif where == LOOK_AT[1]:
-            self._scene.look_at_all(settings)
+            self._scene.look_at_all(viewpoints)
         else:
             self._scene.look_at_part()
 
-    def _chose_setting(self) -> None:
+    def _chose_viewpoint(self) -> None:
         self._hold()
-        self._refresher.ask("answers", "setting")
+        self._refresher.ask("answers", "viewpoint")
 
     def _hold(self) -> None:
-        """A handle at the chosen setting where dragging is on."""
+        """A handle at the chosen viewpoint where dragging is on."""
         with self._lock:
-            name = self._findings.chosen_setting
-            settings = self._what_if.settings(self._knobs(), self._dragged)
-            wanted = name if self._controls.drag.value and name in settings else None
+            name = self._findings.chosen_viewpoint
+            viewpoints = self._what_if.viewpoints(self._knobs(), self._dragged)
+            wanted = name if self._controls.drag.value and name in viewpoints else None
             self._held = wanted
-            handle = self._scene.drag_handle(None if wanted is None else settings[wanted])
+            handle = self._scene.drag_handle(None if wanted is None else viewpoints[wanted])
         if handle is not None:
             handle.on_update(lambda event: self._moved(wanted, event.target))
 
@@ -300,7 +300,7 @@ class Visitor:
             rotation = Rotation.from_quat(handle.wxyz, scalar_first=True)
             pose = np.asarray(RigidTransform.from_components(handle.position, rotation).as_matrix())
             self._dragged[name] = self._what_if.placed(self._knobs(), name, pose)
-        self._refresher.ask("answers", "setting", "dimension")
+        self._refresher.ask("answers", "viewpoint", "characteristic")
 
     # planning
 
@@ -334,8 +334,8 @@ class Visitor:
                 self._client.add_notification("Cancelled", "All is as it was.", auto_close_seconds=4)
         except ViewgaugeError as error:
             if not self._closed:
-                self._controls.file_message.content = message(self._told(error), bad=True)
-                self._client.add_notification("It did not work", self._told(error), color="red")
+                self._controls.file_message.content = message(self._reported(error), bad=True)
+                self._client.add_notification("It did not work", self._reported(error), color="red")
         finally:
             self._job, self._working = None, False
             if not self._closed:
@@ -368,7 +368,7 @@ class Visitor:
         try:
             path = stored(self._folder, file.name, file.content, suffixes)
         except InputError as error:
-            self._controls.file_message.content = message(self._told(error), bad=True)
+            self._controls.file_message.content = message(self._reported(error), bad=True)
             return None
         self._controls.file_message.content = message(f"{path.name} is here.")
         return path
@@ -395,14 +395,14 @@ class Visitor:
         try:
             name, content = make()
         except ViewgaugeError as error:
-            self._controls.file_message.content = message(self._told(error), bad=True)
+            self._controls.file_message.content = message(self._reported(error), bad=True)
             return
         self._client.send_file_download(name, content, save_immediately=True)
 
     def _inspection_file(self) -> tuple[str, bytes]:
-        text, homeless = turned_inspection_text(self._text, self._inspection, self._knobs())
-        told = f"Without {', '.join(homeless)}, for which the file has no place." if homeless else ""
-        self._controls.file_message.content = message(told) if told else ""
+        text, homeless = changed_inspection_text(self._text, self._inspection, self._knobs())
+        reported = f"Without {', '.join(homeless)}, for which the file has no place." if homeless else ""
+        self._controls.file_message.content = message(reported) if reported else ""
         return f"{self._file_stem()}.yaml", text.encode()
 
     def _report_file(self) -> tuple[str, bytes]:
@@ -411,13 +411,13 @@ class Visitor:
     def _plan_file(self) -> tuple[str, bytes]:
         return f"{self._file_stem()}_plan.zip", plan_archive(self._made(), self._planned_for)
 
-    def _settings_file(self) -> tuple[str, bytes]:
+    def _viewpoints_file(self) -> tuple[str, bytes]:
         self._made()
         with self._lock:
-            settings = self._what_if.settings(self._knobs(), self._dragged)
-        return "settings.csv", settings_text(settings).encode()
+            viewpoints = self._what_if.viewpoints(self._knobs(), self._dragged)
+        return "viewpoints.csv", viewpoints_text(viewpoints).encode()
 
-    def _told(self, error: Exception) -> str:
+    def _reported(self, error: Exception) -> str:
         """An error without the place where files of visitors lie, which is nobody's business."""
         return str(error).replace(f"{self._folder}{os.sep}", "")
 

@@ -1,4 +1,4 @@
-"""Error of the mean of several measurements: a normal error plus the triangular ones of all looks."""
+"""Error of the mean of several measurements: a normal error plus the triangular ones of all acquisitions."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _FOLDED = 1e-12
 class AveragedError(Law):
     """Normal error plus any number of independent triangular ones: ``sigma Z + sum_r w_r (U_r + U'_r - 1)``.
 
-    The law of the mean of k looks: sigma is the standard deviation of what the pose errors leave of the mean, and
-    each look brings two triangular errors of quantization (eq. 2) of 1/k of their half-widths. With one look it is
-    :class:`TotalError`.
+    The law of the mean of k acquisitions: sigma is the standard deviation of what the pose errors leave of the mean,
+    and each acquisition brings two triangular errors of quantization (eq. 2) of 1/k of their half-widths. With one
+    acquisition it is :class:`TotalError`.
 
     With at most two triangular errors the closed form; with more a series
     (:mod:`~viewgauge.errors.joint.cosine_series`). Probabilities are right to 1e-10, whatever the widths, and to 1e-13
@@ -128,9 +128,9 @@ class AveragedError(Law):
         many = np.flatnonzero((widths[:, 2:] > 0).any(axis=1) & ~np.isnan(x))
         if len(many):
             unit = np.maximum(widths[many, 0], sigma[many])
-            dimension = {CENTRAL: 0, DENSITY: -1, MEAN_ABSOLUTE: 1}[what]
+            characteristic = {CENTRAL: 0, DENSITY: -1, MEAN_ABSOLUTE: 1}[what]
             series = cosine_series(x[many] / unit, sigma[many] / unit, widths[many] / unit[:, None], what)
-            value[many] = series * unit**dimension
+            value[many] = series * unit**characteristic
         return value.reshape(shape)
 
 

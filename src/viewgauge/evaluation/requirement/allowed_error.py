@@ -1,4 +1,4 @@
-"""How accurately, and how surely, a dimension has to be measured."""
+"""How accurately, and how surely, a characteristic has to be measured."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _KINDS = ("accuracy", "error", "fraction_of_tolerance")
 class Requirement:
     """Pr{|measured - nominal| <= allowed error} >= probability.
 
-    Whatever is required is put in this form, for each dimension. Requirements on the capability of the gauge and on
-    wrong decisions are :class:`CapabilityRequirement` and :class:`ConformanceRequirement`.
+    Whatever is required is put in this form, for each characteristic. Requirements on the capability of the measurement
+    and on wrong decisions are :class:`CapabilityRequirement` and :class:`ConformanceRequirement`.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Requirement:
             )
 
     def allowed_error_mm(self, nominal_mm: float, tolerance_mm: tuple[float, float] | None) -> float | None:
-        """Largest allowed error of a dimension, mm; None where :meth:`cannot_judge` says why there is none."""
+        """Largest allowed error of a characteristic, mm; None where :meth:`cannot_judge` says why there is none."""
         if self.kind == "accuracy":
             return (1 - self.value) * nominal_mm
         if self.kind == "error":
@@ -56,7 +56,7 @@ class Requirement:
         return self.value * (tolerance_mm[1] - tolerance_mm[0]) / 2
 
     def cannot_judge(self, tolerance_mm: tuple[float, float] | None) -> str | None:
-        """Why the requirement says nothing about a dimension; None where it does."""
+        """Why the requirement says nothing about a characteristic; None where it does."""
         if self.kind == "fraction_of_tolerance" and tolerance_mm is None:
             return "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
         return None

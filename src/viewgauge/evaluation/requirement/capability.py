@@ -1,4 +1,4 @@
-"""A required capability of the gauge, as an allowed error and a probability."""
+"""A required capability of the measurement, as an allowed error and a probability."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class CapabilityRequirement(Requirement):
     share
         Of the tolerance zone, of Cg and Cgk.
     bias_mm
-        Systematic error that the gauge is known to have, of Cgk.
+        Systematic error that the measurand is known to have, of Cgk.
     """
 
     probability: float = field(init=False)

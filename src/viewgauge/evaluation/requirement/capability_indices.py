@@ -1,4 +1,4 @@
-"""How capable a gauge is of judging a tolerance zone: %P/T, Cg and Cgk, and the spread that each of them allows.
+"""How capable a measurand is of judging a tolerance zone: %P/T, Cg and Cgk, and the spread that each of them allows.
 
 With T = upper - lower, the width of the tolerance zone, and k the number of standard deviations that stands for the
 spread of the measurements (6; formerly 5.15)::
@@ -7,7 +7,7 @@ spread of the measurements (6; formerly 5.15)::
     Cg  = share T / (k sigma)                              share = 0.2
     Cgk = (share T / 2 - |bias|) / (k sigma / 2)
 
-Cg and Cgk are those of a type 1 gauge study as Minitab defines them, and as the motor industry's guidelines do
+Cg and Cgk are those of a type 1 measurand study as Minitab defines them, and as the motor industry's guidelines do
 (Bosch, booklet 10: share 0.2, k = 6, at least 1.33; others take a share of 0.15, or k = 4).
 
 k sigma is the width of the interval that holds 2 Phi(k/2) - 1 of a normal law, 99.73 % for k = 6. For a law that is
@@ -69,7 +69,7 @@ def percent_p_to_t(
 def cg(
     sigma: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, share: ArrayLike = SHARE, sigmas: ArrayLike = SIGMAS
 ) -> NDArray[np.float64]:
-    """Capability of the gauge without its bias: ``share T / (k sigma)``; the larger the better (often 1.33).
+    """Capability of the measurement without its bias: ``share T / (k sigma)``; the larger the better (often 1.33).
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def cgk(
     share: ArrayLike = SHARE,
     sigmas: ArrayLike = SIGMAS,
 ) -> NDArray[np.float64]:
-    """Capability of the gauge with its bias: ``(share T / 2 - |bias|) / (k sigma / 2)``; Cg where there is none.
+    """Capability of the measurement with its bias: ``(share T / 2 - |bias|) / (k sigma / 2)``; Cg where there is none.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ _MOST_GUARD = 10.0
 
 @dataclass(frozen=True)
 class Process:
-    """The normal law of the true values of a dimension: how the parts come out of manufacture.
+    """The normal law of the true values of a characteristic: how the parts come out of manufacture.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Process:
             raise InputError("must be finite", key="offset", got=self.offset_mm)
 
     def law_mm(self, tolerance_mm: tuple[float, float]) -> tuple[float, float]:
-        """Mean, from the nominal value, and standard deviation, of a dimension with this tolerance."""
+        """Mean, from the nominal value, and standard deviation, of a characteristic with this tolerance."""
         lower, upper = tolerance_mm
         spread = self.standard_deviation_mm
         if spread is None:
@@ -66,7 +66,7 @@ class Process:
 class ConformanceRequirement(Requirement):
     """Global consumer's and producer's risk at most so large, by a decision rule (JCGM 106:2012).
 
-    For each dimension the largest standard uncertainty is found at which the risks are within their limits
+    For each characteristic the largest standard uncertainty is found at which the risks are within their limits
     (:func:`~viewgauge.evaluation.requirement.target_uncertainty.largest_uncertainty`); the expanded uncertainty,
     U = 2 u, is the allowed error, and the probability that of a normal law within it, 0.9545. This is exact where the
     error of the measurement is normal. Where it is all quantization, its standard deviation may be up to
@@ -133,7 +133,7 @@ class ConformanceRequirement(Requirement):
         return f"any measurement keeps the risks within their limits, by this process and decision rule{hint}"
 
     def risks(self, uncertainty_mm: float, tolerance_mm: tuple[float, float]) -> GlobalRisks:
-        """The global risks of a dimension measured with a standard uncertainty."""
+        """The global risks of a characteristic measured with a standard uncertainty."""
         accept = acceptance_limits(*tolerance_mm, COVERAGE_FACTOR * uncertainty_mm, self.value)
         return global_risks(uncertainty_mm, *tolerance_mm, *accept, *self.process.law_mm(tolerance_mm))
 

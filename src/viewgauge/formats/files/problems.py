@@ -13,7 +13,7 @@ KeyPath = tuple[str | int, ...]
 
 
 def dotted(path: KeyPath) -> str | None:
-    """A path as it is shown: ``part.dimensions[0].start``; None for the root."""
+    """A path as it is shown: ``part.characteristics[0].start``; None for the root."""
     text = ""
     for step in path:
         text += f"[{step}]" if isinstance(step, int) else f".{step}"
@@ -30,7 +30,7 @@ class Problems:
         self.file = file
         self.lines: Mapping[KeyPath, int] = {}
         self.found: list[InspectionFileError] = []
-        self._told: set[KeyPath] = set()
+        self._reported: set[KeyPath] = set()
 
     def line_of(self, path: KeyPath) -> int | None:
         """Line of a key, or of the nearest key above it."""
@@ -50,9 +50,9 @@ class Problems:
         hint: str | None = None,
     ) -> None:
         """Note a problem of the value at a path; further ones of the same value would only follow from the first."""
-        if path and path in self._told:
+        if path and path in self._reported:
             return
-        self._told.add(path)
+        self._reported.add(path)
         self.found.append(
             InspectionFileError(
                 problem,

@@ -1,8 +1,4 @@
-"""YAML as plain Python values, with the line of every key: no object is ever constructed.
-
-One liberty is taken with YAML: a list may be followed by its unit, ``start: [0, 0, 40] mm``. Such values are
-quoted before parsing, which leaves every line where it was.
-"""
+"""YAML as plain Python values, with the line of every key: no object is ever constructed."""
 
 from __future__ import annotations
 
@@ -11,17 +7,9 @@ from dataclasses import dataclass, field
 
 from .problems import KeyPath, Problems
 
-__all__ = ["YamlTree", "parse_yaml", "quote_lists_with_unit"]
+__all__ = ["YamlTree", "parse_yaml"]
 
-_LIST_WITH_UNIT = re.compile(
-    r"""
-    (?P<other> (?<![^\s\[{,]) (?: "(?:[^"\\\n]|\\.)*" | '[^'\n]*' ) | (?<!\S) \#[^\n]* )  # a quoted text or a comment
-    | (?P<before> (?: ^ [ \t]* (?: -[ \t]+ )* | : [ \t] | [,\[{] ) [ \t]* )
-      (?P<list> \[ [^\[\]{}"'\#]* \] [ \t]* (?: [^\W\d_] | [%°‰] ) [^,\[\]{}\#"':\n]*? )
-      (?= [ \t]* (?: $ | [ \t]\# | [,\]}] ) )
-    """,
-    re.VERBOSE | re.MULTILINE,
-)
+_LIST_WITH_UNIT = re.compile(r"(\[[^\[\]]*\])[ \t]*([^\W\d_]+|[%°‰])")
 
 _INTEGER, _FLOAT, _BOOLEAN, _NULL, _TEXT, _TIMESTAMP = (
     f"tag:yaml.org,2002:{name}" for name in ("int", "float", "bool", "null", "str", "timestamp")
@@ -45,7 +33,7 @@ def parse_yaml(text: str, problems: Problems) -> YamlTree:
 
     tree = YamlTree()
     problems.lines = tree.lines
-    text = quote_lists_with_unit(text.replace("\r\n", "\n").replace("\r", "\n"))
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     try:
         node = YAML(typ="safe", pure=True).compose(text)
         tree.value = None if node is None else _Walker(tree, problems).value(node, ())
@@ -64,15 +52,17 @@ def parse_yaml(text: str, problems: Problems) -> YamlTree:
     return tree
 
 
-def quote_lists_with_unit(text: str) -> str:
-    """The text with lists that a unit follows as quoted strings."""
-    return _LIST_WITH_UNIT.sub(lambda m: m[0] if m["other"] is not None else f"{m['before']}'{m['list']}'", text)
-
-
 def _syntax_hint(text: str, line: int | None) -> str | None:
-    if line is None or "\t" not in text.split("\n")[line - 1]:
+    if line is None:
         return None
-    return "indent with spaces, not with tabs"
+    lines = text.split("\n")
+    if "\t" in lines[line - 1]:
+        return "indent with spaces, not with tabs"
+    for candidate in (line, line - 1):  # a parser may see the unit only on the next line
+        match = _LIST_WITH_UNIT.search(lines[candidate - 1]) if candidate >= 1 else None
+        if match:
+            return f'write a list with its unit in quotes: "{match[1]} {match[2]}"'
+    return None
 
 
 class _Walker:

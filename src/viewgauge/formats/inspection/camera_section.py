@@ -11,11 +11,11 @@ from pydantic import BeforeValidator, Field, StrictInt, model_validator
 from ...errors import edge_point_deviation
 from ...exceptions import InputError
 from ...geometry import Lens
-from ...sensors import Camera, EdgeLocator
+from ...sensors import Camera, EdgeDetector
 from ..cameras.camera_file import CameraFile
 from .sections import FNumber, Length, Name, Pitch, PixelPair, Pixels, PixelsOrZero, PixelsOrZeros, Resolution, Section
 
-__all__ = ["CalibratedCameraSection", "CameraSection", "LocatorSection", "UncertaintySection"]
+__all__ = ["CalibratedCameraSection", "CameraSection", "EdgeDetectorSection", "UncertaintySection"]
 
 
 def _read_coefficients(value: object) -> tuple[float, ...]:
@@ -47,9 +47,10 @@ class Optics:
     covariance: tuple[tuple[float, ...], ...] | None
 
 
-class LocatorSection(Section):
-    """A sub-pixel edge locator: the noise of an edge point, stated or from the picture."""
+class EdgeDetectorSection(Section):
+    """How edges are found: by quantization (the paper's), or sub-pixel, with the noise of an edge point."""
 
+    quantization: PixelsOrZero | None = None
     noise: PixelsOrZero | None = None
     signal_to_noise: Annotated[float, BeforeValidator(_read_ratio)] | None = None
     blur: PixelsOrZero | None = None
@@ -61,11 +62,20 @@ class LocatorSection(Section):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        if self.quantization is not None:
+            others = [name for name in self.model_fields_set if name != "quantization"]
+            if others:
+                raise InputError(
+                    "a sub-pixel edge detector takes the place of quantization",
+                    key="quantization",
+                    expected=f"quantization, or {', '.join(sorted(others))}",
+                )
+            return self
         if (self.noise is None) == (self.signal_to_noise is None):
             raise InputError(
                 "the noise of an edge point is stated once",
                 key="noise" if self.noise is not None else None,
-                expected="noise (px), or signal_to_noise with blur",
+                expected="noise (px), or signal_to_noise with blur; or quantization (px) alone",
             )
         if self.signal_to_noise is not None and self.blur is None:
             raise InputError("required key missing", key="blur", expected="the lens's blur, such as 0.7 px")
@@ -73,13 +83,15 @@ class LocatorSection(Section):
             raise InputError("noise stands for blur, samples and smoothing", key="noise", expected="it alone")
         return self
 
-    def build(self) -> EdgeLocator:
-        """The locator; raises InputError."""
+    def build(self) -> EdgeDetector | float:
+        """The edge detector, or the quantization step, px; raises InputError."""
+        if self.quantization is not None:
+            return self.quantization
         noise = self.noise
         if noise is None:
             assert self.signal_to_noise is not None and self.blur is not None  # noqa: PT018  # see _one_way
             noise = float(edge_point_deviation(self.signal_to_noise, self.blur, self.samples, self.smoothing))
-        return EdgeLocator(noise, self.offset, self.edge_points, self.clear_of_corner)
+        return EdgeDetector(noise, self.offset, self.edge_points, self.clear_of_corner)
 
 
 class UncertaintySection(Section):
@@ -105,12 +117,11 @@ class UncertaintySection(Section):
 
 
 class _CameraSection(Section):
-    """What every camera has; ``locator`` and ``calibration_uncertainty`` are read apart."""
+    """What every camera has; ``edge_detector`` and ``calibration_uncertainty`` are read apart."""
 
     pixel_pitch: Pitch = Field(description="a length, such as 3.45 um")
-    edge_resolution: PixelsOrZero | None = None
     calibration_uncertainty: Any = None
-    locator: Any = None
+    edge_detector: Any = None
     f_number: FNumber | None = None
     focus_distance: Length | None = None
     blur_limit: Pixels = 1.0
@@ -118,22 +129,12 @@ class _CameraSection(Section):
     _key_of: ClassVar[dict[str, str]]
     """Which key states what the camera calls otherwise."""
 
-    @model_validator(mode="after")
-    def _one_locator(self) -> Self:
-        if self.locator is not None and self.edge_resolution is not None:
-            raise InputError(
-                "a sub-pixel locator takes the place of edge_resolution",
-                key="edge_resolution",
-                expected="locator or edge_resolution",
-            )
-        return self
-
     def _camera(
         self,
         optics: Optics,
         resolution: tuple[int, int],
         uncertainty: UncertaintySection | None,
-        locator: EdgeLocator | None,
+        edge_detector: EdgeDetector | float | None,
     ) -> Camera:
         covariance = optics.covariance
         if uncertainty is not None:
@@ -143,14 +144,14 @@ class _CameraSection(Section):
                 focal_length_mm=optics.focal_length_mm,
                 pixel_pitch_mm=optics.pixel_pitch_mm,
                 resolution=resolution,
-                edge_resolution_px=1.0 if self.edge_resolution is None else self.edge_resolution,
+                edge_resolution_px=edge_detector if isinstance(edge_detector, float) else 1.0,
                 principal_point_px=optics.principal_point_px,
                 f_number=self.f_number,
                 focus_distance_mm=self.focus_distance,
                 blur_limit_px=self.blur_limit,
                 lens=optics.lens,
                 intrinsics_covariance=covariance,
-                locator=locator,
+                edge_detector=edge_detector if isinstance(edge_detector, EdgeDetector) else None,
             )
         except InputError as error:
             key = self._key_of.get(error.key or "", error.key)
@@ -169,11 +170,11 @@ class CameraSection(_CameraSection):
     distortion_model: str = "radial-tangential"
     calibration: None = None  # with it the section is a CalibratedCameraSection
 
-    def build(self, uncertainty: UncertaintySection | None, locator: EdgeLocator | None) -> Camera:
+    def build(self, uncertainty: UncertaintySection | None, edge_detector: EdgeDetector | float | None) -> Camera:
         """The camera; raises InputError."""
         pitch = (self.pixel_pitch[0], self.pixel_pitch[-1])
         optics = Optics(self.focal_length, pitch, self.principal_point, self._lens(), None)
-        return self._camera(optics, self.resolution, uncertainty, locator)
+        return self._camera(optics, self.resolution, uncertainty, edge_detector)
 
     def _lens(self) -> Lens | None:
         if self.distortion is None:
@@ -211,9 +212,11 @@ class CalibratedCameraSection(_CameraSection):
             )
         return self
 
-    def build(self, file: CameraFile, uncertainty: UncertaintySection | None, locator: EdgeLocator | None) -> Camera:
+    def build(
+        self, file: CameraFile, uncertainty: UncertaintySection | None, edge_detector: EdgeDetector | float | None
+    ) -> Camera:
         """The camera; raises InputError."""
-        return self._camera(self._optics(file), self._resolution(file), uncertainty, locator)
+        return self._camera(self._optics(file), self._resolution(file), uncertainty, edge_detector)
 
     def _optics(self, file: CameraFile) -> Optics:
         # the pixels' width is as stated; their height is what makes fy that of the calibration

@@ -23,62 +23,61 @@ from ...visibility.limits import ObservationLimits
 from ..cameras.camera_file import CameraFile, read_camera_file
 from ..files.problems import KeyPath
 from ..poses.covariance_file import CovarianceFile, read_covariance
-from .camera_section import CalibratedCameraSection, CameraSection, LocatorSection, UncertaintySection
+from .camera_section import CalibratedCameraSection, CameraSection, EdgeDetectorSection, UncertaintySection
 from .inspection_text import InspectionText, read_inspection_text
 from .region_section import BoxSection, HemisphereSection
 from .requirement_section import read_requirement
 from .sections import (
+    AveragingSection,
     CandidatesSection,
+    CharacteristicSection,
     ConeSection,
-    DimensionSection,
     ErrorSection,
-    HeadSection,
+    FrameSection,
     InspectionSections,
-    LooksSection,
     ObservationSection,
     PartSection,
-    PoseSection,
+    PoseUncertaintySection,
 )
 from .validation import build, validate
 
-__all__ = ["DimensionEntry", "InspectionFile", "read_inspection_file"]
+__all__ = ["CharacteristicEntry", "InspectionFile", "read_inspection_file"]
 
 
 @dataclass(frozen=True)
-class DimensionEntry:
-    """An entry of ``part.dimensions``.
+class CharacteristicEntry:
+    """An entry of ``part.characteristics``.
 
     Parameters
     ----------
     id
         Unique within the file.
-    start_mm, end_mm
-        The two points of a gauge, mm, part frame; both None where the entry changes the dimension of this id
+    ends_mm
+        The two points of a measurand, mm, part frame; None where the entry changes the characteristic of this id
         that was read from the part's PMI.
     tolerance_mm
         (lower, upper) deviation, mm; None where not given.
     observed
-        What must be seen; None where not given ("ends" for a gauge, unchanged for a dimension of the PMI).
+        What must be seen; None where not given ("ends" for a measurand, unchanged for a characteristic of the PMI).
     line
         1-based line in the inspection file, for messages.
     """
 
     id: str
-    start_mm: tuple[float, float, float] | None
-    end_mm: tuple[float, float, float] | None
+    ends_mm: tuple[tuple[float, ...], tuple[float, ...]] | None
     tolerance_mm: tuple[float, float] | None
     observed: Observed | None
     line: int
 
     @property
     def is_override(self) -> bool:
-        """The entry changes a dimension of the PMI instead of adding one."""
-        return self.start_mm is None
+        """The entry changes a characteristic of the PMI instead of adding one."""
+        return self.ends_mm is None
 
 
 _Place = TypeVar("_Place", BoxSection, HemisphereSection)
 _File = TypeVar("_File", CameraFile, CovarianceFile)
-_Apart = TypeVar("_Apart", UncertaintySection, LocatorSection)
+_Apart = TypeVar("_Apart", UncertaintySection, EdgeDetectorSection)
 
 
 @dataclass(frozen=True)
@@ -92,38 +91,38 @@ class InspectionFile:
     part_file
         CAD file or mesh; None where the file names none. This and the other paths are as written where absolute,
         else from the folder of the inspection file; whether they exist is found when they are read.
-    dimensions
-        Gauges of the user's own and changes to dimensions of the PMI.
+    characteristics
+        Measurands of the user's own and changes to characteristics of the PMI.
     general_tolerance_mm
-        (lower, upper) deviation, mm, of dimensions that have none of their own; None where not given. It is not
-        yet applied to ``dimensions``.
-    settings_file
-        Explicit sensor settings, which take the place of sampled ones; None where not given.
+        (lower, upper) deviation, mm, of characteristics that have none of their own; None where not given. It is not
+        yet applied to ``characteristics``.
+    viewpoints_file
+        Explicit viewpoints, which take the place of sampled ones; None where not given.
     covariance_file
-        Where the covariance of ``head`` was read from; None where the file states standard deviations.
+        Where the covariance of ``pose_error`` was read from; None where the file states standard deviations.
     common_covariance_file
-        The same for ``head.common``.
+        The same for ``pose_uncertainty.common``.
     calibration_file
         Where the camera's calibration was read from; None where the file states it.
-    looks
-        From how many settings a dimension may be measured and averaged; 1 where the file does not allow several.
+    averaged_viewpoints
+        From how many viewpoints a characteristic may be measured and averaged; 1 where the file does not allow several.
     """
 
     path: Path
     part_file: Path | None
-    dimensions: tuple[DimensionEntry, ...]
+    characteristics: tuple[CharacteristicEntry, ...]
     general_tolerance_mm: tuple[float, float] | None
     camera: Camera
-    head: PoseError
+    pose_error: PoseError
     requirement: Requirement
     candidates: CandidateOptions
-    settings_file: Path | None
+    viewpoints_file: Path | None
     covariance_file: Path | None
     limits: ObservationLimits
     seed: int
     common_covariance_file: Path | None = None
     calibration_file: Path | None = None
-    looks: int = 1
+    averaged_viewpoints: int = 1
 
 
 def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> InspectionFile:
@@ -148,35 +147,37 @@ class _Reader:
         """The whole file; raises InspectionFileError."""
         top = validate(InspectionSections, self.sections, (), self.problems)
         part = validate(PartSection, self._section("part"), ("part",), self.problems)
-        dimensions = self._dimensions()
+        characteristics = self._characteristics()
         camera, requirement = self._camera(), self._requirement()
-        head = self._head(None if requirement is None else requirement.probability)
+        pose_error = self._pose_error(None if requirement is None else requirement.probability)
         candidates = validate(CandidatesSection, self._section("candidates"), ("candidates",), self.problems)
         options = self._options(candidates)
-        limits, looks = self._limits(), self._looks()
+        limits, averaged_viewpoints = self._limits(), self._averaged_viewpoints()
         self.problems.raise_if_any()
         # nothing is None now: each would have left a problem
-        assert top and part and camera and head and requirement and candidates  # noqa: PT018
-        assert options and limits and looks  # noqa: PT018
-        stated = cast(dict[str, Any], self.sections["head"])
+        assert top and part and camera and pose_error and requirement and candidates  # noqa: PT018
+        assert options and limits and averaged_viewpoints  # noqa: PT018
+        stated = cast(dict[str, Any], self.sections["pose_uncertainty"])
         return InspectionFile(
             path=self.path,
             part_file=self._path(part.file, "part.file"),
-            dimensions=dimensions,
+            characteristics=characteristics,
             general_tolerance_mm=part.general_tolerance,
             camera=camera,
-            head=head,
+            pose_error=pose_error,
             requirement=requirement,
             candidates=options,
-            settings_file=self._path(candidates.settings, "candidates.settings"),
-            covariance_file=self._path(stated.get("covariance"), "head.covariance"),
+            viewpoints_file=self._path(candidates.viewpoints, "candidates.viewpoints"),
+            covariance_file=self._path(stated.get("covariance"), "pose_uncertainty.covariance"),
             limits=limits,
             seed=top.seed,
-            common_covariance_file=self._path(stated.get("common", {}).get("covariance"), "head.common.covariance"),
+            common_covariance_file=self._path(
+                stated.get("common", {}).get("covariance"), "pose_uncertainty.common.covariance"
+            ),
             calibration_file=self._path(
                 cast(dict[str, Any], self.sections["camera"]).get("calibration"), "camera.calibration"
             ),
-            looks=looks,
+            averaged_viewpoints=averaged_viewpoints,
         )
 
     def _section(self, name: str) -> object:
@@ -197,8 +198,10 @@ class _Reader:
             return None
         where = ("camera",)
         uncertainty = self._apart("calibration_uncertainty", UncertaintySection)
-        of_locator = self._apart("locator", LocatorSection)
-        locator = build(of_locator.build, (*where, "locator"), self.problems) if of_locator else None
+        of_edge_detector = self._apart("edge_detector", EdgeDetectorSection)
+        edge_detector = (
+            build(of_edge_detector.build, (*where, "edge_detector"), self.problems) if of_edge_detector else None
+        )
         unread = len(self.problems.found)
         value = self.sections["camera"]
         make: Callable[..., Camera]
@@ -217,7 +220,11 @@ class _Reader:
             if section is None:
                 return None
             make = section.build
-        return build(make, where, self.problems, uncertainty, locator) if len(self.problems.found) == unread else None
+        return (
+            build(make, where, self.problems, uncertainty, edge_detector)
+            if len(self.problems.found) == unread
+            else None
+        )
 
     def _apart(self, name: str, model: type[_Apart]) -> _Apart | None:
         """A part of the camera section as its model; None where it is not stated, or not as it must be."""
@@ -257,12 +264,12 @@ class _Reader:
         found = validate(section, value, ("candidates", *where), self.problems)
         return None if found is None else found.build()
 
-    def _dimensions(self) -> tuple[DimensionEntry, ...]:
-        values = self._below("part", "dimensions")
-        entries: dict[str, DimensionEntry] = {}
+    def _characteristics(self) -> tuple[CharacteristicEntry, ...]:
+        values = self._below("part", "characteristics")
+        entries: dict[str, CharacteristicEntry] = {}
         for index, value in enumerate(values if isinstance(values, list) else ()):
-            where = ("part", "dimensions", index)
-            section = validate(DimensionSection, value, where, self.problems)
+            where = ("part", "characteristics", index)
+            section = validate(CharacteristicSection, value, where, self.problems)
             if section is None:
                 continue
             line = self.problems.line_of(where) or 1
@@ -270,28 +277,30 @@ class _Reader:
                 first = f"'{section.id}', first in line {entries[section.id].line}"
                 self.problems.add((*where, "id"), "the id is used twice", got=first, expected="a unique id")
                 continue
-            entries[section.id] = DimensionEntry(
-                section.id, section.start, section.end, section.tolerance, section.observed, line
+            entries[section.id] = CharacteristicEntry(
+                section.id, section.ends_mm, section.tolerance, section.observed, line
             )
         return tuple(entries.values())
 
-    def _head(self, probability: float | None) -> PoseError | None:
+    def _pose_error(self, probability: float | None) -> PoseError | None:
         """The pose error; a covariance from few samples is made as large as the required probability asks for."""
-        if "head" not in self.sections:
+        if "pose_uncertainty" not in self.sections:
             return None
-        where = ("head",)
-        section = validate(HeadSection, self.sections["head"], where, self.problems)
+        where = ("pose_uncertainty",)
+        section = validate(PoseUncertaintySection, self.sections["pose_uncertainty"], where, self.problems)
         pose = None
-        if isinstance(value := self._below("head", "pivot"), dict):
-            pose_section = validate(PoseSection, value, (*where, "pivot"), self.problems)
-            pose = build(pose_section.build, (*where, "pivot"), self.problems) if pose_section else None
-        covariance, common, head = self._error(section, where, probability), None, self.sections["head"]
-        if isinstance(head, dict) and "common" in head:
-            common_section = validate(ErrorSection, head["common"], (*where, "common"), self.problems)
+        if (value := self._below("pose_uncertainty", "frame")) is not None:
+            pose_section = validate(FrameSection, value, (*where, "frame"), self.problems)
+            pose = build(pose_section.build, (*where, "frame"), self.problems) if pose_section else None
+            if pose is None:
+                section = None
+        covariance, common, stated = self._error(section, where, probability), None, self.sections["pose_uncertainty"]
+        if isinstance(stated, dict) and "common" in stated:
+            common_section = validate(ErrorSection, stated["common"], (*where, "common"), self.problems)
             common = self._error(common_section, (*where, "common"), probability)
             if common is None:
                 return None
-        if section is None or covariance is None or (pose is None and section.pivot is None):
+        if section is None or covariance is None:
             return None
         return build(section.build, where, self.problems, covariance, pose, common)
 
@@ -324,17 +333,19 @@ class _Reader:
                 self.problems.add(where, error.problem, got=path, hint=error.hint)
             return None
 
-    def _looks(self) -> int | None:
-        """From how many settings a dimension may be averaged."""
-        if "looks" not in self.sections:
+    def _averaged_viewpoints(self) -> int | None:
+        """From how many viewpoints a characteristic may be averaged."""
+        if "averaging" not in self.sections:
             return 1
-        section = validate(LooksSection, self._section("looks"), ("looks",), self.problems)
-        head = self.sections.get("head")
-        if isinstance(head, dict) and "common" not in head:
+        section = validate(AveragingSection, self._section("averaging"), ("averaging",), self.problems)
+        pose_error = self.sections.get("pose_uncertainty")
+        if isinstance(pose_error, dict) and "common" not in pose_error:
             self.problems.add(
-                ("head", "common"),
-                "averaging several looks helps only against what is drawn anew at each",
-                expected="head.common: the part of the pose error that all looks share (calibration, hand-eye)",
+                ("pose_uncertainty", "common"),
+                "averaging several viewpoints helps only against what is drawn anew at each",
+                expected=(
+                    "pose_uncertainty.common: the part of the error that all acquisitions share (calibration, hand-eye)"
+                ),
                 hint="state it; write translation: 0 mm and rotation: 0 deg there if there is none",
             )
-        return section.most if section else None
+        return section.viewpoints if section else None

@@ -80,7 +80,7 @@ def read_inspection_text(path: str | os.PathLike[str], within: Path | None = Non
     problems = Problems(path)
     value = parse_yaml(text, problems).value
     if value is None and not problems.found:
-        problems.add((), "the file is empty", line=1, expected="the sections camera, head and requirement")
+        problems.add((), "the file is empty", line=1, expected="the sections camera, pose_uncertainty and requirement")
     elif value is not None and not isinstance(value, dict):
         problems.add((), "not an inspection file", got=_start(value), expected="sections such as 'camera:'")
     if not isinstance(value, dict):

@@ -48,7 +48,7 @@ def _read_conformance(value: object, problems: Problems) -> Requirement | None:
 
 
 class CapabilitySection(Section):
-    """The capability that the gauge must have."""
+    """The capability that the measurand must have."""
 
     percent_p_to_t: Ratio | None = None
     cg: Ratio | None = None
@@ -99,7 +99,7 @@ class ConformanceSection(Section):
 
 
 class RequirementSection(Section):
-    """How accurately and how surely a dimension has to be measured; the sections below are read apart."""
+    """How accurately and how surely a characteristic has to be measured; the sections below are read apart."""
 
     accuracy: Ratio | None = None
     error: Length | None = None

@@ -20,15 +20,15 @@ from ..files.units import ANGLE, LENGTH, PIXELS, RATIO, Kind, Sign, parse_quanti
 
 __all__ = [
     "AnyLength",
+    "AveragingSection",
     "CandidatesSection",
+    "CharacteristicSection",
     "ConeSection",
-    "DimensionSection",
     "ErrorSection",
     "FNumber",
-    "HeadSection",
+    "FrameSection",
     "InspectionSections",
     "Length",
-    "LooksSection",
     "Name",
     "ObservationSection",
     "PartSection",
@@ -37,7 +37,7 @@ __all__ = [
     "Pixels",
     "PixelsOrZero",
     "PixelsOrZeros",
-    "PoseSection",
+    "PoseUncertaintySection",
     "Ratio",
     "Resolution",
     "Section",
@@ -96,6 +96,16 @@ def _read_name(value: object) -> object:
     return value
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _read_unit(value: object) -> object:
+    if isinstance(value, str):
+        parse_quantity(f"1 {value}", LENGTH)
+    return value
+
+
 def _read_resolution(value: object) -> tuple[int, ...]:
     expected = "columns and rows as two positive whole numbers, such as [2448, 2048]"
     if isinstance(value, str):
@@ -134,6 +144,7 @@ Tolerance = Annotated[tuple[float, float], BeforeValidator(_read_tolerance)]
 DistanceRange = Annotated[tuple[float, float], BeforeValidator(_read_distance)]
 Direction = Annotated[tuple[float, float, float], _numbers(3)]
 Quaternion = Annotated[tuple[float, float, float, float], _numbers(4)]
+Unit = Annotated[StrictStr, BeforeValidator(_read_unit)]
 Name = Annotated[StrictStr, BeforeValidator(_read_name)]
 Count = Annotated[StrictInt, Field(ge=1, le=1_000_000)]
 CountOrZero = Annotated[StrictInt, Field(ge=0)]
@@ -149,53 +160,79 @@ class InspectionSections(Section):
     """The top level; the sections are read one by one."""
 
     camera: Any = Field(description="a section with focal_length, pixel_pitch and resolution")
-    head: Any = Field(description="a section with translation and rotation, or covariance")
+    pose_uncertainty: Any = Field(description="a section with translation and rotation, or covariance")
     requirement: Any = Field(
         description="a section with accuracy, error or fraction_of_tolerance, and probability; or with another kind"
     )
     part: Any = None
     candidates: Any = None
     observation: Any = None
-    looks: Any = None
+    averaging: Any = None
     seed: CountOrZero = 0
 
 
 class PartSection(Section):
-    """What is inspected; the dimensions are read one by one."""
+    """What is inspected; the characteristics are read one by one."""
 
     file: Name | None = None
-    dimensions: list[Any] | None = None
+    characteristics: list[Any] | None = None
     general_tolerance: Tolerance | None = None
 
 
-class DimensionSection(Section):
-    """A gauge of the user's own, or what is to be changed of a dimension read from PMI."""
+class CharacteristicSection(Section):
+    """A measurand of the user's own, or what is to be changed of a characteristic read from PMI."""
 
-    id: Name = Field(description="a name, unique among the dimensions")
-    start: Point | None = None
-    end: Point | None = None
+    id: Name = Field(description="a name, unique among the characteristics")
+    points: Annotated[list[Any], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description="two points of the part's surface, such as [[0, 0, 40], [60, 0, 40]] with unit: mm"
+    )
+    unit: Unit | None = None
     tolerance: Tolerance | None = None
     observed: Observed | None = None
 
     @model_validator(mode="after")
-    def _whole(self) -> DimensionSection:
-        if (self.start is None) != (self.end is None):
-            raise InputError("a gauge needs both its points", expected="start and end, or neither")
-        if self.start is not None and self.start == self.end:
-            raise InputError("start and end are the same point", key="end", got=f"{list(self.start)} mm")
-        if self.start is None and self.tolerance is None and self.observed is None:
+    def _whole(self) -> CharacteristicSection:
+        if self.points is None and self.unit is not None:
+            raise InputError("the unit belongs to points", key="unit", expected="points and their unit, or neither")
+        if (ends := self.ends_mm) is not None and ends[0] == ends[1]:
+            raise InputError("the two points are the same", key="points", got=f"{list(ends[0])} mm")
+        if self.points is None and self.tolerance is None and self.observed is None:
             raise InputError(
                 "the entry says nothing but its id",
-                expected="start and end of a gauge, or a tolerance for the dimension of this id read from the part",
+                expected="two points, or a tolerance for the characteristic of this id read from the part",
             )
         return self
 
+    @property
+    def ends_mm(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+        """The two points, mm, part frame; None where the entry has none; raises InputError."""
+        if self.points is None:
+            return None
+        start, end = (self._point(point) for point in self.points)
+        return start, end
 
-class PoseSection(Section):
-    """A full pose ``T_camera_head``."""
+    def _point(self, point: object) -> tuple[float, ...]:
+        if self.unit is not None and isinstance(point, list):
+            point = [f"{value} {self.unit}" if _is_number(value) else value for value in point]
+        try:
+            return parse_quantities(point, LENGTH, (3,))
+        except InputError as error:
+            raise InputError(
+                error.problem,
+                key="points",
+                got=error.got,
+                expected="two points, such as [[0, 0, 40], [60, 0, 40]] with unit: mm beside them",
+                hint=error.hint,
+            ) from error
 
-    position: Point = Field(description="three lengths, such as [0, 0, -16] mm")
-    quaternion: Quaternion = Field(description="a unit quaternion [w, x, y, z], such as [1, 0, 0, 0]")
+
+class FrameSection(Section):
+    """The frame in which the pose error acts, in the camera frame: ``T_camera_frame``."""
+
+    position: Point = Field(default=(0.0, 0.0, 0.0), description='three lengths, such as "[0, 0, -16] mm"')
+    quaternion: Quaternion = Field(
+        default=(1.0, 0.0, 0.0, 0.0), description="a unit quaternion [w, x, y, z], such as [1, 0, 0, 0]"
+    )
 
     def build(self) -> NDArray[np.float64]:
         """The pose ``(4, 4)``, mm; raises InputError."""
@@ -203,10 +240,6 @@ class PoseSection(Section):
             return pose_from_quaternion(self.position, self.quaternion)
         except InputError as error:
             raise InputError(error.problem, key="quaternion", got=error.got, expected=error.expected) from error
-
-
-def _read_pivot(value: object) -> tuple[float, ...] | None:
-    return None if isinstance(value, dict) else parse_quantities(value, LENGTH, (3,))
 
 
 class ErrorSection(Section):
@@ -232,7 +265,7 @@ class ErrorSection(Section):
             raise InputError(
                 f"required key{'s' * (len(missing) > 1)} {' and '.join(missing)} missing",
                 expected="translation and rotation (standard deviations), or covariance (a file)",
-                hint="write 0 mm or 0 deg for a head without that error",
+                hint="write 0 mm or 0 deg where there is no such error",
             )
         return self
 
@@ -245,27 +278,27 @@ class ErrorSection(Section):
         return np.diag(deviations**2)
 
 
-class HeadSection(ErrorSection):
-    """The pose error of the head; ``common`` and a pivot that is a full pose (None here) are read apart."""
+class PoseUncertaintySection(ErrorSection):
+    """The uncertainty of the camera's pose; ``common`` and ``frame`` are read apart."""
 
     common: Any = None
-    pivot: Annotated[tuple[float, float, float] | None, BeforeValidator(_read_pivot)] = (0.0, 0.0, 0.0)
+    frame: Any = None
 
     def build(
         self,
         covariance: NDArray[np.float64],
-        T_camera_head: NDArray[np.float64] | None,
+        T_camera_frame: NDArray[np.float64] | None,
         common: NDArray[np.float64] | None = None,
     ) -> PoseError:
-        """The pose error of one look from what the section itself states and what is common; raises InputError."""
+        """The pose error of one acquisition from what the section itself states and what is common."""
         total = covariance if common is None else covariance + common
-        return PoseError(total, self.pivot or (0.0, 0.0, 0.0), T_camera_head, common_covariance=common)
+        return PoseError(total, T_camera_frame=T_camera_frame, common_covariance=common)
 
 
-class LooksSection(Section):
-    """Whether a dimension may be measured from several settings and averaged."""
+class AveragingSection(Section):
+    """Whether a characteristic may be measured from several viewpoints and averaged."""
 
-    most: Annotated[StrictInt, Field(ge=2, le=16)] = Field(description="a whole number from 2 to 16")
+    viewpoints: Annotated[StrictInt, Field(ge=2, le=16)] = Field(description="a whole number from 2 to 16")
 
 
 class ConeSection(Section):
@@ -301,7 +334,7 @@ class CandidatesSection(Section):
     hemisphere: Any = None
     forbidden: list[Any] | None = None
     standoff: LengthOrZero | None = None
-    settings: Name | None = None
+    viewpoints: Name | None = None
 
     def build(self, cone: ConeSection | None, **places: Any) -> CandidateOptions:
         """The options, with the defaults for what is not given; raises InputError.
@@ -328,7 +361,7 @@ class CandidatesSection(Section):
 
 
 class ObservationSection(Section):
-    """When a gauge counts as observable."""
+    """When a measurand counts as observable."""
 
     margin: PixelsOrZero | None = None
     minimum_length: PixelsOrZero | None = None

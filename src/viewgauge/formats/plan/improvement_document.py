@@ -8,7 +8,7 @@ from importlib.metadata import version
 from typing import Any
 
 from ...evaluation import Requirement
-from ...part import Unusable
+from ...part import NotMeasurable
 from ...planning.improve.improvement import CameraChoice, Change, Improvement, Specification
 from ...planning.improve.knobs import KNOBS
 
@@ -20,28 +20,28 @@ def improvement_document(
 ) -> dict[str, Any]:
     """Lengths mm, angles deg, pixels px; what does not exist is null."""
     return {
-        **_head(requirement, inputs),
-        "settings_tried": improvement.settings,
+        **_pose_error(requirement, inputs),
+        "viewpoints_tried": improvement.viewpoints,
         "knobs": {
             name: {"today": today, "unit": KNOBS[name].unit, "what": KNOBS[name].what}
             for name, today in improvement.today.items()
         },
-        "dimensions": [
+        "characteristics": [
             {
-                "id": dimension.id,
-                "met": dimension.met,
-                "probability": dimension.probability,
-                "changes": {name: _change(change) for name, change in dimension.changes.items()},
+                "id": characteristic.id,
+                "met": characteristic.met,
+                "probability": characteristic.probability,
+                "changes": {name: _change(change) for name, change in characteristic.changes.items()},
             }
-            for dimension in improvement.dimensions
+            for characteristic in improvement.characteristics
         ],
         "part": {
-            "met": all(d.met for d in improvement.dimensions if d.id not in improvement.left_out),
+            "met": all(d.met for d in improvement.characteristics if d.id not in improvement.left_out),
             "changes": {name: _change(change) for name, change in improvement.part.items()},
             "left_out": list(improvement.left_out),
         },
         "trade_off": [asdict(trade) for trade in improvement.trade_off],
-        "not_measurable": _refused(improvement.unusable),
+        "not_measurable": _refused(improvement.not_measurable),
     }
 
 
@@ -50,16 +50,16 @@ def specification_document(
 ) -> dict[str, Any]:
     """Lengths mm, angles deg, pixels px; what does not exist is null."""
     return {
-        **_head(requirement, inputs),
-        "dimensions": specification.dimensions,
+        **_pose_error(requirement, inputs),
+        "characteristics": specification.characteristics,
         "smallest": None if specification.smallest is None else _choice(specification.smallest),
         "best": [_choice(choice) for choice in specification.best],
         "choices": [_choice(choice) for choice in specification.choices],
-        "not_measurable": _refused(specification.unusable),
+        "not_measurable": _refused(specification.not_measurable),
     }
 
 
-def _head(requirement: Requirement, inputs: Mapping[str, str]) -> dict[str, Any]:
+def _pose_error(requirement: Requirement, inputs: Mapping[str, str]) -> dict[str, Any]:
     return {"version": version("viewgauge"), "inputs": dict(inputs), "requirement": asdict(requirement)}
 
 
@@ -83,14 +83,14 @@ def _choice(choice: CameraChoice) -> dict[str, Any]:
         "focal_length_mm": choice.focal_length_mm,
         "distance_mm": list(choice.distance_mm),
         "met": choice.met,
-        "head_factor": choice.head.factor,
+        "pose_error_factor": choice.pose_error.factor,
         "translation_mm": choice.translation_mm,
         "rotation_deg": choice.rotation_deg,
-        "limited_by": list(choice.head.limited_by),
+        "limited_by": list(choice.pose_error.limited_by),
         "pixel_px": None if choice.pixel is None else choice.pixel.value,
-        "verified": choice.head.verified and (choice.pixel is None or choice.pixel.verified),
+        "verified": choice.pose_error.verified and (choice.pixel is None or choice.pixel.verified),
     }
 
 
-def _refused(unusable: Sequence[Unusable]) -> list[dict[str, Any]]:
-    return [{"id": entry.id, "kind": entry.kind, "reason": entry.reason} for entry in unusable]
+def _refused(not_measurable: Sequence[NotMeasurable]) -> list[dict[str, Any]]:
+    return [{"id": entry.id, "kind": entry.kind, "reason": entry.reason} for entry in not_measurable]

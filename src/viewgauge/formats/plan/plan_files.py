@@ -1,4 +1,4 @@
-"""A plan as files: plan.json, settings.csv, assignments.csv."""
+"""A plan as files: plan.json, viewpoints.csv, assignments.csv."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from ...evaluation import GaugeFigures, Requirement
+from ...evaluation import CapabilityFigures, Requirement
 from ...evaluation.error_budget import GROUPS, SOURCES, ErrorBudget
-from ...planning import Look, Plan, PlannedDimension, Refinement
-from ...planning.bounds import Certificate, SettingsBound
+from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
+from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
-from ..poses.viewpoints_file import write_settings
+from ..poses.viewpoints_file import write_viewpoints
 
 __all__ = ["plan_document", "write_plan_files"]
 
@@ -29,27 +29,27 @@ def plan_document(
     requirement: Requirement,
     inputs: Mapping[str, str],
     budgets: Mapping[str, ErrorBudget],
-    figures: Mapping[str, GaugeFigures],
+    figures: Mapping[str, CapabilityFigures],
 ) -> dict[str, Any]:
     """The plan as JSON-ready data (lengths mm; what is not defined is null)."""
-    dimensions = [
+    characteristics = [
         {
-            **_dimension_document(dimension),
-            "budget": _budget_document(budgets[dimension.id]) if dimension.id in budgets else None,
-            "figures": asdict(figures[dimension.id]) if dimension.id in figures else None,
+            **_characteristic_document(characteristic),
+            "budget": _budget_document(budgets[characteristic.id]) if characteristic.id in budgets else None,
+            "figures": asdict(figures[characteristic.id]) if characteristic.id in figures else None,
         }
-        for dimension in plan.dimensions
+        for characteristic in plan.characteristics
     ]
     return {
         "version": version("viewgauge"),
         "seed": plan.seed,
         "inputs": dict(inputs),
         "requirement": asdict(requirement),
-        "settings": [
+        "viewpoints": [
             {"id": s.id, "T_part_camera": np.asarray(s.T_part_camera).tolist(), "observes": list(s.observes)}
-            for s in plan.settings
+            for s in plan.viewpoints
         ],
-        "dimensions": dimensions,
+        "characteristics": characteristics,
         "count": plan.count,
         "lower_bound": plan.lower_bound,
         "gap": plan.gap,
@@ -57,20 +57,20 @@ def plan_document(
         "anywhere": None if plan.anywhere is None else _bound_document(plan.anywhere, plan.proven_anywhere),
         "interrupted": plan.interrupted,
         "candidates": plan.candidate_count,
-        "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.dimensions),
+        "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.characteristics),
     }
 
 
-def _refinement_document(refinement: Refinement, dimensions: Sequence[PlannedDimension]) -> dict[str, Any]:
+def _refinement_document(refinement: Refinement, characteristics: Sequence[PlannedCharacteristic]) -> dict[str, Any]:
     return {
         "steps": [asdict(step) for step in refinement.steps],
-        "reached": [dimensions[j].id for j in refinement.reached],
+        "reached": [characteristics[j].id for j in refinement.reached],
         "generated": refinement.generated,
         "finished": refinement.finished,
     }
 
 
-def _bound_document(bound: SettingsBound, proven: bool) -> dict[str, Any]:
+def _bound_document(bound: ViewpointsBound, proven: bool) -> dict[str, Any]:
     return {"lower_bound": bound.count, "proven": proven, "apart": list(bound.apart)}
 
 
@@ -99,26 +99,31 @@ def _budget_document(budget: ErrorBudget) -> dict[str, Any]:
     }
 
 
-def _dimension_document(dimension: PlannedDimension) -> dict[str, Any]:
-    is_length = dimension.kind != "angle"  # whose values are rad
+def _characteristic_document(characteristic: PlannedCharacteristic) -> dict[str, Any]:
+    is_length = characteristic.kind != "angle"  # whose values are rad
     return {
-        "id": dimension.id,
-        "kind": dimension.kind,
-        "nominal_mm": _number(dimension.nominal_mm) if is_length else None,
-        "tolerance_mm": list(dimension.tolerance_mm) if dimension.tolerance_mm and is_length else None,
-        "allowed_error_mm": _number(dimension.allowed_error_mm),
-        "status": dimension.status,
-        "probability": dimension.probability,
-        "expected_accuracy": dimension.expected_accuracy,
-        "setting": dimension.setting,
-        "gauge": None if dimension.gauge is None else dimension.gauge.tolist(),
-        "limit": dimension.limit,
-        "proof": dimension.proof,
-        "warning": dimension.warning,
-        "T_part_camera": None if dimension.T_part_camera is None else dimension.T_part_camera.tolist(),
-        "looks": [{"setting": look.setting, "gauge": look.gauge.tolist()} for look in dimension.looks],
-        "single_probability": dimension.single_probability,
-        "certificate": None if dimension.certificate is None else _certificate_document(dimension.certificate),
+        "id": characteristic.id,
+        "kind": characteristic.kind,
+        "nominal_mm": _number(characteristic.nominal_mm) if is_length else None,
+        "tolerance_mm": list(characteristic.tolerance_mm) if characteristic.tolerance_mm and is_length else None,
+        "allowed_error_mm": _number(characteristic.allowed_error_mm),
+        "status": characteristic.status,
+        "probability": characteristic.probability,
+        "expected_accuracy": characteristic.expected_accuracy,
+        "viewpoint": characteristic.viewpoint,
+        "measurand": None if characteristic.measurand is None else characteristic.measurand.tolist(),
+        "limit": characteristic.limit,
+        "proof": characteristic.proof,
+        "warning": characteristic.warning,
+        "T_part_camera": None if characteristic.T_part_camera is None else characteristic.T_part_camera.tolist(),
+        "acquisitions": [
+            {"viewpoint": acquisition.viewpoint, "measurand": acquisition.measurand.tolist()}
+            for acquisition in characteristic.acquisitions
+        ],
+        "single_probability": characteristic.single_probability,
+        "certificate": None
+        if characteristic.certificate is None
+        else _certificate_document(characteristic.certificate),
     }
 
 
@@ -131,31 +136,40 @@ def _number(value: float) -> float | None:
 
 
 def write_plan_files(plan: Plan, document: Mapping[str, Any], folder: Path) -> None:
-    """Write ``settings.csv``, ``assignments.csv`` and, last, ``plan.json`` into an existing folder.
+    """Write ``viewpoints.csv``, ``assignments.csv`` and, last, ``plan.json`` into an existing folder.
 
     Parameters
     ----------
     document
         Of the plan (:func:`plan_document`).
     """
-    poses = np.array([s.T_part_camera for s in plan.settings]).reshape(-1, 4, 4)  # also where there is none
-    write_settings(folder / "settings.csv", [s.id for s in plan.settings], poses)
+    poses = np.array([s.T_part_camera for s in plan.viewpoints]).reshape(-1, 4, 4)  # also where there is none
+    write_viewpoints(folder / "viewpoints.csv", [s.id for s in plan.viewpoints], poses)
     write_text_atomically(folder / "assignments.csv", _assignments(plan))
     text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
     write_text_atomically(folder / "plan.json", text + "\n")
 
 
 def _assignments(plan: Plan) -> str:
-    """Of each dimension that is met one row for each look: its setting, how sure, and the two points measured."""
+    """Of each characteristic that is met one row for each acquisition: its viewpoint, how sure, and the two points
+    measured.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     points = [f"{end}_{axis}" for end in ("start", "end") for axis in "xyz"]
-    writer.writerow(["dimension", "setting", "probability", "expected_accuracy", *points])
-    for dimension in plan.dimensions:
-        if dimension.setting is not None and dimension.gauge is not None:
-            for look in dimension.looks or (Look(dimension.setting, dimension.gauge),):
+    writer.writerow(["characteristic", "viewpoint", "probability", "expected_accuracy", *points])
+    for characteristic in plan.characteristics:
+        if characteristic.viewpoint is not None and characteristic.measurand is not None:
+            for acquisition in characteristic.acquisitions or (
+                Acquisition(characteristic.viewpoint, characteristic.measurand),
+            ):
                 writer.writerow(
-                    [dimension.id, look.setting, repr(dimension.probability), repr(dimension.expected_accuracy)]
-                    + [repr(float(x)) for x in look.gauge.ravel()]
+                    [
+                        characteristic.id,
+                        acquisition.viewpoint,
+                        repr(characteristic.probability),
+                        repr(characteristic.expected_accuracy),
+                    ]
+                    + [repr(float(x)) for x in acquisition.measurand.ravel()]
                 )
     return text.getvalue()

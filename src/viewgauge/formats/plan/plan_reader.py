@@ -1,4 +1,6 @@
-"""A plan's file read back: the whole plan, or which dimensions are measured from which settings, by which points."""
+"""A plan's file read back: the whole plan, or which characteristics are measured from which viewpoints, by which
+points.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
-from ...planning import Look, Plan, PlannedDimension, PlannedSetting, Refinement, RefinementStep
-from ...planning.bounds import Certificate, SettingsBound
+from ...planning import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Refinement, RefinementStep
+from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.text import read_text
 
 __all__ = ["PlannedMeasurement", "read_plan", "read_whole_plan"]
@@ -23,28 +25,28 @@ _Read = TypeVar("_Read")
 
 @dataclass(frozen=True)
 class PlannedMeasurement:
-    """One dimension from one setting.
+    """One characteristic from one viewpoint.
 
     Parameters
     ----------
     T_part_camera
-        ``(4, 4)`` mm: of the setting.
-    gauge
+        ``(4, 4)`` mm: of the viewpoint.
+    measurand
         ``(2, 3)`` mm, part frame.
     uncertainty_mm
         Standard uncertainty that the plan predicts of one measurement; None where it states none.
-    looks
-        From how many settings the dimension is measured and averaged.
+    acquisitions
+        From how many viewpoints the characteristic is measured and averaged.
     """
 
-    dimension: str
-    setting: str
+    characteristic: str
+    viewpoint: str
     T_part_camera: NDArray[np.float64]
-    gauge: NDArray[np.float64]
+    measurand: NDArray[np.float64]
     nominal_mm: float
     tolerance_mm: tuple[float, float] | None
     uncertainty_mm: float | None
-    looks: int
+    acquisitions: int
 
 
 def read_plan(folder: Path) -> tuple[PlannedMeasurement, ...]:
@@ -71,34 +73,34 @@ def _read(folder: Path, take: Callable[[dict[str, Any]], _Read]) -> _Read:
 
 
 def _measurements(document: dict[str, Any]) -> tuple[PlannedMeasurement, ...]:
-    poses = {s["id"]: np.array(s["T_part_camera"], dtype=float).reshape(4, 4) for s in document["settings"]}
-    entries = [d for d in document["dimensions"] if d["status"] == "met"]
+    poses = {s["id"]: np.array(s["T_part_camera"], dtype=float).reshape(4, 4) for s in document["viewpoints"]}
+    entries = [d for d in document["characteristics"] if d["status"] == "met"]
     return tuple(found for entry in entries for found in _of(entry, poses))
 
 
 def _of(entry: dict[str, Any], poses: dict[str, NDArray[np.float64]]) -> list[PlannedMeasurement]:
-    looks = entry.get("looks") or [{"setting": entry["setting"], "gauge": entry["gauge"]}]
+    acquisitions = entry.get("acquisitions") or [{"viewpoint": entry["viewpoint"], "measurand": entry["measurand"]}]
     budget = entry.get("budget")
     tolerance = entry["tolerance_mm"]
     return [
         PlannedMeasurement(
-            dimension=entry["id"],
-            setting=look["setting"],
-            T_part_camera=poses[look["setting"]],
-            gauge=np.array(look["gauge"], dtype=float).reshape(2, 3),
+            characteristic=entry["id"],
+            viewpoint=acquisition["viewpoint"],
+            T_part_camera=poses[acquisition["viewpoint"]],
+            measurand=np.array(acquisition["measurand"], dtype=float).reshape(2, 3),
             nominal_mm=float(entry["nominal_mm"]),
             tolerance_mm=None if tolerance is None else (float(tolerance[0]), float(tolerance[1])),
             uncertainty_mm=None if budget is None else float(budget["combined_uncertainty_mm"]),
-            looks=len(looks),
+            acquisitions=len(acquisitions),
         )
-        for look in looks
+        for acquisition in acquisitions
     ]
 
 
 def read_whole_plan(folder: Path) -> Plan:
     """The plan that ``plan.json`` in a folder, or a file of that content, holds.
 
-    What a dimension's angle was in rad is not in the file, and is not a number here.
+    What a characteristic's angle was in rad is not in the file, and is not a number here.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def read_whole_plan(folder: Path) -> Plan:
 
 
 def _plan(document: dict[str, Any]) -> Plan:
-    names = [entry["id"] for entry in document["dimensions"]]
+    names = [entry["id"] for entry in document["characteristics"]]
     refinement = document["refinement"]
     if refinement is not None:
         steps = tuple(RefinementStep(**step) for step in refinement["steps"])
@@ -118,21 +120,21 @@ def _plan(document: dict[str, Any]) -> Plan:
     anywhere = document["anywhere"]
     return Plan(
         seed=int(document["seed"]),
-        settings=tuple(
-            PlannedSetting(s["id"], np.array(s["T_part_camera"], dtype=float).reshape(4, 4), tuple(s["observes"]))
-            for s in document["settings"]
+        viewpoints=tuple(
+            PlannedViewpoint(s["id"], np.array(s["T_part_camera"], dtype=float).reshape(4, 4), tuple(s["observes"]))
+            for s in document["viewpoints"]
         ),
-        dimensions=tuple(_dimension(entry) for entry in document["dimensions"]),
+        characteristics=tuple(_characteristic(entry) for entry in document["characteristics"]),
         lower_bound=int(document["lower_bound"]),
         candidate_count=int(document["candidates"]),
         refinement=refinement,
         # how many cells were looked into is not in the file
-        anywhere=None if anywhere is None else SettingsBound(anywhere["lower_bound"], tuple(anywhere["apart"]), 0),
+        anywhere=None if anywhere is None else ViewpointsBound(anywhere["lower_bound"], tuple(anywhere["apart"]), 0),
         interrupted=bool(document["interrupted"]),
     )
 
 
-def _dimension(entry: dict[str, Any]) -> PlannedDimension:
+def _characteristic(entry: dict[str, Any]) -> PlannedCharacteristic:
     def number(name: str) -> float:
         return float("nan") if entry[name] is None else float(entry[name])
 
@@ -140,7 +142,7 @@ def _dimension(entry: dict[str, Any]) -> PlannedDimension:
         return None if entry[name] is None else np.array(entry[name], dtype=float).reshape(shape)
 
     tolerance, certificate = entry["tolerance_mm"], entry["certificate"]
-    return PlannedDimension(
+    return PlannedCharacteristic(
         id=entry["id"],
         kind=entry["kind"],
         nominal_mm=number("nominal_mm"),
@@ -149,13 +151,14 @@ def _dimension(entry: dict[str, Any]) -> PlannedDimension:
         status=entry["status"],
         probability=float(entry["probability"]),
         expected_accuracy=float(entry["expected_accuracy"]),
-        setting=entry["setting"],
-        gauge=array("gauge", (2, 3)),
+        viewpoint=entry["viewpoint"],
+        measurand=array("measurand", (2, 3)),
         limit=entry["limit"],
         warning=entry["warning"],
         T_part_camera=array("T_part_camera", (4, 4)),
-        looks=tuple(
-            Look(look["setting"], np.array(look["gauge"], dtype=float).reshape(2, 3)) for look in entry["looks"]
+        acquisitions=tuple(
+            Acquisition(acquisition["viewpoint"], np.array(acquisition["measurand"], dtype=float).reshape(2, 3))
+            for acquisition in entry["acquisitions"]
         ),
         single_probability=entry["single_probability"],
         certificate=None if certificate is None else Certificate(entry["id"], **certificate),

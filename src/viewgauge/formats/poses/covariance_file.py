@@ -1,4 +1,4 @@
-"""The file of a 6x6 covariance of the head's pose error, and how many samples it rests on."""
+"""The file of a 6x6 covariance of the pose error, and how many samples it rests on."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def write_covariance(
         If the place cannot be written to.
     """
     lines = [
-        "# pose error of a head: [x, y, z, rx, ry, rz], in the head frame, perturbation on the left",
+        "# pose error of a pose_uncertainty: [x, y, z, rx, ry, rz], in the pose error frame, perturbation on the left",
         "covariance:",
     ]
     lines += [f"  - [{', '.join(repr(float(value)) for value in row)}]" for row in covariance]

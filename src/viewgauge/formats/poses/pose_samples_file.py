@@ -1,4 +1,4 @@
-"""Samples of a head's pose error: CSV of poses or of errors, or YAML of joints and poses as robots log them.
+"""Samples of a pose error: CSV of poses or of errors, or YAML of joints and poses as robots log them.
 
 CSV, by its columns (their order is free; lengths mm unless the name ends in ``_m``):
 

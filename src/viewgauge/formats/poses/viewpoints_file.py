@@ -1,4 +1,4 @@
-"""The file of explicit sensor settings: CSV with ``id, x, y, z, qw, qx, qy, qz``.
+"""The file of explicit viewpoints: CSV with ``id, x, y, z, qw, qx, qy, qz``.
 
 Each row is a pose ``T_part_camera``: position in mm and unit quaternion, scalar first. The header names the
 columns, so their order is free; further columns are ignored.
@@ -18,12 +18,12 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...exceptions import InputError, SettingsFileError
+from ...exceptions import InputError, ViewpointsFileError
 from ...geometry import pose_from_quaternion, quaternion_from_pose, require_poses
 from ..files.atomic import write_text_atomically
 from ..files.text import read_text
 
-__all__ = ["COLUMNS", "read_settings", "write_settings"]
+__all__ = ["COLUMNS", "read_viewpoints", "write_viewpoints"]
 
 COLUMNS = ("id", "x", "y", "z", "qw", "qx", "qy", "qz")
 
@@ -33,23 +33,23 @@ _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 _Row = tuple[int, str, list[str]]
 
 
-def read_settings(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
-    """Ids and poses ``T_part_camera`` ``(n, 4, 4)``, mm, of a settings file.
+def read_viewpoints(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+    """Ids and poses ``T_part_camera`` ``(n, 4, 4)``, mm, of a viewpoints file.
 
     Raises
     ------
-    SettingsFileError
+    ViewpointsFileError
         With file, line and column, if anything in it cannot be used.
     """
-    text = read_text(path, SettingsFileError)
+    text = read_text(path, ViewpointsFileError)
     lines: dict[str, int] = {}  # by id
     numbers = array("d")  # seven of each row
     try:
         for line, name, cells in _rows(path, text):
             if not name:
-                raise SettingsFileError("the id is empty", file=path, line=line, key="id", expected="a unique name")
+                raise ViewpointsFileError("the id is empty", file=path, line=line, key="id", expected="a unique name")
             if name in lines:
-                raise SettingsFileError(
+                raise ViewpointsFileError(
                     "the id is used twice",
                     file=path,
                     line=line,
@@ -59,15 +59,15 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArra
                 )
             numbers.extend(_numbers(path, line, cells))
             lines[name] = line
-    except SettingsFileError:
+    except ViewpointsFileError:
         _poses(path, numbers, lines)  # what is wrong further up is told first
         raise
     if not lines:
-        raise SettingsFileError("no settings in the file", file=path, expected="at least one row below the header")
+        raise ViewpointsFileError("no viewpoints in the file", file=path, expected="at least one row below the header")
     return tuple(lines), _poses(path, numbers, lines)
 
 
-def write_settings(path: str | os.PathLike[str], ids: Sequence[str], poses: ArrayLike) -> None:
+def write_viewpoints(path: str | os.PathLike[str], ids: Sequence[str], poses: ArrayLike) -> None:
     """Write poses ``T_part_camera`` ``(n, 4, 4)``, mm, with their ids; every digit of the doubles is kept.
 
     Raises
@@ -100,7 +100,7 @@ def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
                 chosen = itemgetter(*(header.index(column) for column in COLUMNS))
                 continue
             if len(cells) != len(header):
-                raise SettingsFileError(
+                raise ViewpointsFileError(
                     "the row has another number of cells than the header",
                     file=path,
                     line=reader.line_num,
@@ -110,16 +110,16 @@ def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
             name, *others = chosen(cells)
             yield reader.line_num, name, others
     except csv.Error as error:
-        raise SettingsFileError(f"not valid CSV: {error}", file=path, line=reader.line_num) from error
+        raise ViewpointsFileError(f"not valid CSV: {error}", file=path, line=reader.line_num) from error
     if header is None:
-        raise SettingsFileError("the file is empty", file=path, expected=f"a header: {', '.join(COLUMNS)}")
+        raise ViewpointsFileError("the file is empty", file=path, expected=f"a header: {', '.join(COLUMNS)}")
 
 
 def _header(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[str]:
     missing = [column for column in COLUMNS if column not in cells]
     if missing:
         separated = len(cells) == 1 and any(mark in cells[0] for mark in ";\t")
-        raise SettingsFileError(
+        raise ViewpointsFileError(
             "columns are missing" if len(missing) > 1 else "a column is missing",
             file=path,
             line=line,
@@ -130,7 +130,7 @@ def _header(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[s
         )
     for column in COLUMNS:
         if cells.count(column) > 1:
-            raise SettingsFileError("the column is there twice", file=path, line=line, key=column)
+            raise ViewpointsFileError("the column is there twice", file=path, line=line, key=column)
     return cells
 
 
@@ -151,7 +151,7 @@ def _number(path: str | os.PathLike[str], line: int, column: str, cell: str) -> 
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise SettingsFileError(
+        raise ViewpointsFileError(
             "not a finite number",
             file=path,
             line=line,
@@ -177,11 +177,11 @@ def _poses(path: str | os.PathLike[str], numbers: array[float], lines: dict[str,
 
 
 def _require_unit(path: str | os.PathLike[str], rows: NDArray[np.float64], lines: Sequence[int]) -> None:
-    """Raise SettingsFileError for the first row that is no pose."""
+    """Raise ViewpointsFileError for the first row that is no pose."""
     for row, line in zip(rows, lines, strict=True):
         try:
             pose_from_quaternion(row[:3], row[3:])
         except InputError as error:
-            raise SettingsFileError(
+            raise ViewpointsFileError(
                 error.problem, file=path, line=line, key="qw, qx, qy, qz", got=error.got, expected=error.expected
             ) from error

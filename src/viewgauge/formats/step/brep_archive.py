@@ -14,7 +14,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ...part.brep import Brep, Callout, Edge, Face, Reference
+from ...part.brep import Brep, Edge, Face, PmiRecord, Reference
 from ...part.mesh import Mesh
 
 __all__ = ["load_brep", "save_brep"]
@@ -45,7 +45,7 @@ def save_brep(brep: Brep, folder: Path) -> None:
         "notes": brep.notes,
         "faces": [[face.kind, face.radius_mm, face.concave, face.edges] for face in faces],
         "edges": [[edge.kind, edge.faces, edge.radius_mm, edge.closed, edge.seam, edge.smooth] for edge in edges],
-        "callouts": [_callout_record(callout) for callout in brep.callouts],
+        "pmi_records": [_archived_record(pmi_record) for pmi_record in brep.pmi_records],
     }
     (folder / "brep.json").write_text(json.dumps(record), encoding="utf-8")
 
@@ -73,7 +73,7 @@ def load_brep(folder: Path) -> Brep:
         faces=faces,
         edges=_edges(record["edges"], arrays),
         mesh=Mesh(arrays["vertices"], arrays["triangles"], record["chord_error_mm"]),
-        callouts=tuple(_callout(entry) for entry in record["callouts"]),
+        pmi_records=tuple(_pmi_record(entry) for entry in record["pmi_records"]),
         plus_minus_count=record["plus_minus_count"],
         notes=tuple(record["notes"]),
     )
@@ -95,16 +95,16 @@ def _edges(records: list[Any], arrays: dict[str, NDArray[Any]]) -> tuple[Edge, .
     return tuple(edges)
 
 
-def _callout_record(callout: Callout) -> list[object]:
-    first, second = ([[r.kind, r.index] for r in side] for side in (callout.first, callout.second))
+def _archived_record(pmi_record: PmiRecord) -> list[object]:
+    first, second = ([[r.kind, r.index] for r in side] for side in (pmi_record.first, pmi_record.second))
     return [
-        *(callout.name, callout.kind, callout.label, callout.nominal_mm, callout.tolerance_mm),
-        *(first, second, callout.problem),
+        *(pmi_record.name, pmi_record.kind, pmi_record.label, pmi_record.nominal_mm, pmi_record.tolerance_mm),
+        *(first, second, pmi_record.problem),
     ]
 
 
-def _callout(entry: list[Any]) -> Callout:
+def _pmi_record(entry: list[Any]) -> PmiRecord:
     name, kind, label, nominal, tolerance, first, second, problem = entry
     first, second = (tuple(Reference(what, index) for what, index in side) for side in (first, second))
     tolerance = None if tolerance is None else tuple(tolerance)
-    return Callout(name, kind, label, nominal, tolerance, first, second, problem)
+    return PmiRecord(name, kind, label, nominal, tolerance, first, second, problem)

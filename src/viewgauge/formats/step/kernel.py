@@ -35,7 +35,7 @@ from ...exceptions import PartFileError
 from ...part.brep import Brep, Edge, Face, Reference
 from ...part.mesh import Mesh
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
-from .pmi import DimensionReader, to_callouts
+from .pmi import DimensionReader, to_pmi_records
 from .step_text import StepText, not_a_number
 from .step_units import Units
 from .triangle_weld import Weld, is_watertight, signed_volume
@@ -102,10 +102,10 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
     dimensions = pmi.dimensions()
     wanted = {number for d in dimensions for number in (*d.first, *d.second)}
     shapes = topology.references(reader, text, wanted) if wanted else {}
-    callouts = to_callouts(dimensions, shapes, faces, edges)
+    pmi_records = to_pmi_records(dimensions, shapes, faces, edges)
     count = sum(len(ranges) for ranges in pmi.plus_minus.values())
-    notes += pmi.notes(callouts)
-    return _noted(brep, notes, callouts=callouts, plus_minus_count=count)
+    notes += pmi.notes(pmi_records)
+    return _noted(brep, notes, pmi_records=pmi_records, plus_minus_count=count)
 
 
 def _noted(brep: Brep, notes: Sequence[str], **changes: Any) -> Brep:
@@ -297,7 +297,7 @@ class _Topology:
     def references(self, reader: Any, text: StepText, wanted: Collection[int]) -> dict[int, list[Reference]]:
         """Faces and edges by the number of the record that they came from.
 
-        The kernel answers only in the direction from shape to entity, and looks entities up by address; so the
+        The kernel answers only in the direction from shape to entity, and acquisitions entities up by address; so the
         wanted records are found in its model by their label, and every face (and edge, if any is wanted) is
         asked for its entity.
         """

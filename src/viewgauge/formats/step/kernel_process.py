@@ -147,11 +147,11 @@ def _check_text(path: Path) -> None:
         raise PartFileError("the part is a folder", file=path, expected=expected)
     try:
         with path.open("rb") as stream:
-            head = stream.read(_MESSAGE_BYTES)
-            if not head.strip():
+            pose_error = stream.read(_MESSAGE_BYTES)
+            if not pose_error.strip():
                 raise PartFileError("the file is empty", file=path, expected=expected)
-            if not head.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(_START):
-                got = repr(head[:40].decode("latin-1"))
+            if not pose_error.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(_START):
+                got = repr(pose_error[:40].decode("latin-1"))
                 raise PartFileError("this is not a STEP file", file=path, got=got, expected=expected)
             with mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
                 complete = content.rfind(_END) >= 0

@@ -14,11 +14,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ...part.brep import Callout, CalloutKind, Edge, Face, Reference
+from ...part.brep import Edge, Face, PmiKind, PmiRecord, Reference
 from .step_text import Record, Ref, StepText
 from .step_units import Units
 
-__all__ = ["Dimension", "DimensionReader", "to_callouts"]
+__all__ = ["Dimension", "DimensionReader", "to_pmi_records"]
 
 _LOCATIONS = (
     "DIMENSIONAL_LOCATION",
@@ -45,7 +45,7 @@ class Dimension:
 
     Parameters
     ----------
-    callout
+    PMI record
         All but the references.
     first, second
         Record numbers of the faces and edges on either side.
@@ -53,7 +53,7 @@ class Dimension:
         Why a side could not be followed to faces and edges; empty where it could.
     """
 
-    callout: Callout
+    pmi_record: PmiRecord
     first: tuple[int, ...]
     second: tuple[int, ...]
     problem_first: str = ""
@@ -142,9 +142,9 @@ class DimensionReader:
         numbers = self.text.numbers(*_LOCATIONS, *_SIZES)
         return _named_apart([self._dimension(number) for number in numbers])
 
-    def notes(self, callouts: Sequence[Callout]) -> list[str]:
+    def notes(self, pmi_records: Sequence[PmiRecord]) -> list[str]:
         """What the user should know about the dimensions read: what is missing, and how the counts compare."""
-        if not callouts:
+        if not pmi_records:
             return ["The file has no semantic PMI dimensions: geometry only."]
         known = set(self.text.numbers(*_LOCATIONS, *_SIZES))
         notes = []
@@ -156,10 +156,12 @@ class DimensionReader:
             notes.append(
                 f"{repeated} PLUS_MINUS_TOLERANCE entities repeat one of the same dimension; the first counts."
             )
-        angles = sum(callout.kind == "angle" and callout.tolerance_mm is not None for callout in callouts)
+        angles = sum(pmi_record.kind == "angle" and pmi_record.tolerance_mm is not None for pmi_record in pmi_records)
         if angles:
             notes.append(f"Toleranced dimensions that are angles: {angles}.")
-        limits = sum(callout.tolerance_mm is not None for callout in callouts) - len(self.plus_minus.keys() & known)
+        limits = sum(pmi_record.tolerance_mm is not None for pmi_record in pmi_records) - len(
+            self.plus_minus.keys() & known
+        )
         if limits > 0:
             notes.append(f"Dimensions toleranced by limits, without a PLUS_MINUS_TOLERANCE entity: {limits}.")
         return notes
@@ -174,8 +176,8 @@ class DimensionReader:
         nominal, tolerance, problem = self._magnitude(number)
         if not problem and kind == "other":
             problem = _NO_LENGTH.format(label)
-        callout = Callout(self._captions.get(number, ""), kind, label, nominal, tolerance, (), (), problem)
-        return Dimension(callout, first, second, problem_first, problem_second)
+        pmi_record = PmiRecord(self._captions.get(number, ""), kind, label, nominal, tolerance, (), (), problem)
+        return Dimension(pmi_record, first, second, problem_first, problem_second)
 
     def _magnitude(self, number: int) -> tuple[float, tuple[float, float] | None, str]:
         """Nominal value, deviations (mm or rad) and what is wrong with them."""
@@ -274,7 +276,7 @@ def _label_and_sides(parts: Sequence[Record]) -> tuple[str, list[int]]:
     return label, sides[: 2 if location else 1]
 
 
-def _kind(types: set[str], label: str) -> CalloutKind:
+def _kind(types: set[str], label: str) -> PmiKind:
     words = label.lower()
     if types & {"ANGULAR_LOCATION", "ANGULAR_SIZE"} or "angle" in words:
         return "angle"
@@ -292,24 +294,24 @@ def _named_apart(dimensions: Sequence[Dimension]) -> tuple[Dimension, ...]:
     taken: Counter[str] = Counter()
     named = []
     for index, dimension in enumerate(dimensions, start=1):
-        label = dimension.callout.label.replace("/", "-").replace(" ", "_") or "dimension"
-        wanted = dimension.callout.name or f"{label}_{index}"
+        label = dimension.pmi_record.label.replace("/", "-").replace(" ", "_") or "dimension"
+        wanted = dimension.pmi_record.name or f"{label}_{index}"
         name, repeat = wanted, 1
         while taken[name]:
             repeat += 1
             name = f"{wanted}_{repeat}"
         taken[name] += 1
-        named.append(replace(dimension, callout=replace(dimension.callout, name=name)))
+        named.append(replace(dimension, pmi_record=replace(dimension.pmi_record, name=name)))
     return tuple(named)
 
 
-def to_callouts(
+def to_pmi_records(
     dimensions: Sequence[Dimension],
     shapes: Mapping[int, Sequence[Reference]],
     faces: Sequence[Face],
     edges: Sequence[Edge],
-) -> tuple[Callout, ...]:
-    """Callouts with their references.
+) -> tuple[PmiRecord, ...]:
+    """PMI records with their references.
 
     Parameters
     ----------
@@ -320,20 +322,20 @@ def to_callouts(
     faces, edges
         Of the part.
     """
-    callouts = []
+    pmi_records = []
     for dimension in dimensions:
-        callout, problems = dimension.callout, [dimension.callout.problem]
+        pmi_record, problems = dimension.pmi_record, [dimension.pmi_record.problem]
         first, problem = _side(dimension.first, dimension.problem_first, shapes, faces)
         problems.append(problem)
         second, problem = _side(dimension.second, dimension.problem_second, shapes, faces)
         problems.append(problem)
-        kind = callout.kind
-        if kind == "length" and "curve" in callout.label.lower() and not _straight(first, edges):
+        kind = pmi_record.kind
+        if kind == "length" and "curve" in pmi_record.label.lower() and not _straight(first, edges):
             kind = "other"
-            problems.append(_NO_LENGTH.format(callout.label))
+            problems.append(_NO_LENGTH.format(pmi_record.label))
         problem = "; ".join(dict.fromkeys(problem for problem in problems if problem))
-        callouts.append(replace(callout, kind=kind, first=first, second=second, problem=problem))
-    return tuple(callouts)
+        pmi_records.append(replace(pmi_record, kind=kind, first=first, second=second, problem=problem))
+    return tuple(pmi_records)
 
 
 def _side(

@@ -44,26 +44,27 @@ _SIZE, _INFINITY = np.uint64(2**63 - 1), np.uint64(0x7FF << 52)
 
 
 def row_lines(
-    settings: Sequence[bytes],
-    dimensions: Sequence[bytes],
+    viewpoints: Sequence[bytes],
+    characteristics: Sequence[bytes],
     columns: Sequence[NDArray[np.float64] | tuple[NDArray[np.integer], Sequence[bytes]]],
 ) -> bytes:
-    """Lines ``setting,dimension,cell,...`` for each of m settings and D dimensions, setting by setting.
+    """Lines ``viewpoint,characteristic,cell,...`` for each of m viewpoints and D characteristics, viewpoint by
+    viewpoint.
 
     Parameters
     ----------
-    settings, dimensions
+    viewpoints, characteristics
         Their cells.
     columns
         Each ``(m D,)``: numbers, NaN for an empty cell, or indices with the cells that they stand for.
     """
-    if not settings or not dimensions:
+    if not viewpoints or not characteristics:
         return b""
-    pairs = len(settings) * len(dimensions)
+    pairs = len(viewpoints) * len(characteristics)
     numbers = [column for column in columns if isinstance(column, np.ndarray)]
     texts = [column for column in columns if not isinstance(column, np.ndarray)]
     is_number = np.array([isinstance(column, np.ndarray) for column in columns], dtype=np.bool_)
-    cells = [list(settings), list(dimensions), *(list(names) for _, names in texts)]
+    cells = [list(viewpoints), list(characteristics), *(list(names) for _, names in texts)]
     first = np.cumsum([0, *(len(names) for names in cells)])
     flat = [cell for names in cells for cell in names]
     ends = np.cumsum([0, *map(len, flat)])
@@ -74,8 +75,8 @@ def row_lines(
         np.frombuffer(b"".join(flat) or b" ", dtype=np.uint8),
         ends,
         first,
-        len(settings),
-        len(dimensions),
+        len(viewpoints),
+        len(characteristics),
         is_number,
         np.array(numbers, dtype=float).reshape(len(numbers), pairs).view(np.uint64),
         np.array([index for index, _ in texts], dtype=np.int64).reshape(len(texts), pairs),
@@ -85,12 +86,12 @@ def row_lines(
 
 
 @_compiled
-def _write_rows(out, cells, ends, first, settings, dimensions, is_number, numbers, indices, powers):  # type: ignore[no-untyped-def]
+def _write_rows(out, cells, ends, first, viewpoints, characteristics, is_number, numbers, indices, powers):  # type: ignore[no-untyped-def]
     at = 0
-    for row in range(settings * dimensions):
-        at = _write_cell(out, at, cells, ends, first[0] + row // dimensions)
+    for row in range(viewpoints * characteristics):
+        at = _write_cell(out, at, cells, ends, first[0] + row // characteristics)
         out[at] = 44  # a comma
-        at = _write_cell(out, at + 1, cells, ends, first[1] + row % dimensions)
+        at = _write_cell(out, at + 1, cells, ends, first[1] + row % characteristics)
         number = text = 0
         for column in range(len(is_number)):
             out[at] = 44

@@ -1,4 +1,4 @@
-"""What a table over (setting, dimension) consists of, apart from its values."""
+"""What a table over (viewpoint, characteristic) consists of, apart from its values."""
 
 from __future__ import annotations
 
@@ -47,51 +47,51 @@ class TableLayout:
 
     Parameters
     ----------
-    setting_ids, dimension_ids
-        Of n settings and D dimensions. Of the settings only slices are asked for.
+    viewpoint_ids, characteristic_ids
+        Of n viewpoints and D characteristics. Of the viewpoints only slices are asked for.
     columns
         In the order in which they are written.
-    chunk_settings
-        Number of settings that are written at once: chunk k is the settings from ``k * chunk_settings``.
+    chunk_viewpoints
+        Number of viewpoints that are written at once: chunk k is the viewpoints from ``k * chunk_viewpoints``.
     coordinates
-        What is known of the dimensions, by name, ``(D,)``; in Zarr only.
+        What is known of the characteristics, by name, ``(D,)``; in Zarr only.
     attrs
         Of the whole table; in Zarr only.
     """
 
-    setting_ids: Sequence[str]
-    dimension_ids: Sequence[str]
+    viewpoint_ids: Sequence[str]
+    characteristic_ids: Sequence[str]
     columns: tuple[Column, ...]
-    chunk_settings: int
+    chunk_viewpoints: int
     coordinates: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     attrs: Mapping[str, str | float] = field(default_factory=dict)
 
     @property
     def chunks(self) -> int:
         """Number of chunks."""
-        return -(-len(self.setting_ids) // self.chunk_settings)
+        return -(-len(self.viewpoint_ids) // self.chunk_viewpoints)
 
     @property
     def row_columns(self) -> tuple[Column, ...]:
         """The columns of CSV and Parquet."""
         return tuple(column for column in self.columns if column.in_rows)
 
-    def settings(self, chunk: int) -> slice:
-        """The settings of a chunk."""
-        first = chunk * self.chunk_settings
-        return slice(first, min(first + self.chunk_settings, len(self.setting_ids)))
+    def viewpoints(self, chunk: int) -> slice:
+        """The viewpoints of a chunk."""
+        first = chunk * self.chunk_viewpoints
+        return slice(first, min(first + self.chunk_viewpoints, len(self.viewpoint_ids)))
 
-    def chunk_of(self, first_setting: int) -> int:
-        """The chunk that begins with a setting."""
-        chunk, rest = divmod(first_setting, self.chunk_settings)
+    def chunk_of(self, first_viewpoint: int) -> int:
+        """The chunk that begins with a viewpoint."""
+        chunk, rest = divmod(first_viewpoint, self.chunk_viewpoints)
         if rest or not 0 <= chunk < self.chunks:
-            raise ValueError(f"no chunk of {self.chunk_settings} settings begins with setting {first_setting}")
+            raise ValueError(f"no chunk of {self.chunk_viewpoints} viewpoints begins with viewpoint {first_viewpoint}")
         return chunk
 
     def checked(self, chunk: int, values: Mapping[str, NDArray[np.generic]]) -> dict[str, NDArray[np.generic]]:
         """The arrays ``(m, D)`` of a chunk for each column, in the types of their kinds ("name": int64)."""
-        settings = self.settings(chunk)
-        shape = (settings.stop - settings.start, len(self.dimension_ids))
+        viewpoints = self.viewpoints(chunk)
+        shape = (viewpoints.stop - viewpoints.start, len(self.characteristic_ids))
         checked: dict[str, NDArray[np.generic]] = {}
         for column in self.columns:
             array = np.asarray(values[column.name])

@@ -1,4 +1,4 @@
-"""The table as rows, one a pair of setting and dimension: CSV and Parquet, written chunk by chunk in order.
+"""The table as rows, one a pair of viewpoint and characteristic: CSV and Parquet, written chunk by chunk in order.
 
 Chunks may come in any order. One that is early waits on the disk beside the table, so memory holds one chunk.
 """
@@ -60,9 +60,9 @@ class RowTable:
             self._sink = stack.enter_context(sink(temporary, path, layout))
             self._stack = stack.pop_all()
 
-    def write(self, first_setting: int, values: _Values, summary: Mapping[str, Any] | None = None) -> None:  # noqa: ARG002 - nothing is kept
-        """Write the chunk of settings that begins with ``first_setting``; for each column its array ``(m, D)``."""
-        chunk = self._layout.chunk_of(first_setting)
+    def write(self, first_viewpoint: int, values: _Values, summary: Mapping[str, Any] | None = None) -> None:  # noqa: ARG002 - nothing is kept
+        """Write the chunk of viewpoints that begins with ``first_viewpoint``; for each column its array ``(m, D)``."""
+        chunk = self._layout.chunk_of(first_viewpoint)
         if chunk < self._next or chunk in self._early:
             raise ValueError(f"chunk {chunk} was written before")
         checked = self._layout.checked(chunk, values)
@@ -95,7 +95,7 @@ class RowTable:
 @contextmanager
 def _csv(temporary: Path, path: str | os.PathLike[str], layout: TableLayout) -> Iterator[_Sink]:  # noqa: ARG001 - as _parquet
     with temporary.open("wb") as stream:
-        header = ["setting", "dimension", *(column.name for column in layout.row_columns)]
+        header = ["viewpoint", "characteristic", *(column.name for column in layout.row_columns)]
         stream.write(b",".join(_quoted(header)) + b"\n")
 
         def sink(chunk: int, values: _Values) -> None:
@@ -108,9 +108,9 @@ def csv_rows(layout: TableLayout, chunk: int, values: _Values) -> bytes:
     """The lines of a chunk; numbers with the fewest digits that tell them from others, NaN as an empty cell."""
     from .row_text import row_lines  # its compiler is not loaded for Parquet
 
-    ids = layout.setting_ids[layout.settings(chunk)]
+    ids = layout.viewpoint_ids[layout.viewpoints(chunk)]
     columns = [_cells(column, np.asarray(values[column.name]).ravel()) for column in layout.row_columns]
-    return row_lines(_quoted(ids), _quoted(layout.dimension_ids), columns)
+    return row_lines(_quoted(ids), _quoted(layout.characteristic_ids), columns)
 
 
 def _cells(column: Column, values: NDArray[Any]) -> NDArray[np.float64] | tuple[NDArray[np.integer], Sequence[bytes]]:
@@ -150,7 +150,7 @@ def _parquet(temporary: Path, path: str | os.PathLike[str], layout: TableLayout)
     types = {"real": pa.float64(), "flag": pa.bool_(), "whole": pa.int64(), "name": pa.string()}
     columns = layout.row_columns
     schema = pa.schema(
-        [("setting", pa.string()), ("dimension", pa.string()), *((c.name, types[c.kind]) for c in columns)]
+        [("viewpoint", pa.string()), ("characteristic", pa.string()), *((c.name, types[c.kind]) for c in columns)]
     )
 
     def chosen(names: Sequence[str], index: NDArray[np.int64]) -> Any:
@@ -159,9 +159,9 @@ def _parquet(temporary: Path, path: str | os.PathLike[str], layout: TableLayout)
     with pq.ParquetWriter(temporary, schema) as writer:
 
         def sink(chunk: int, values: _Values) -> None:
-            ids = layout.setting_ids[layout.settings(chunk)]
-            pairs = np.indices((len(ids), len(layout.dimension_ids))).reshape(2, -1)
-            arrays = [chosen(ids, pairs[0]), chosen(layout.dimension_ids, pairs[1])]
+            ids = layout.viewpoint_ids[layout.viewpoints(chunk)]
+            pairs = np.indices((len(ids), len(layout.characteristic_ids))).reshape(2, -1)
+            arrays = [chosen(ids, pairs[0]), chosen(layout.characteristic_ids, pairs[1])]
             for column in columns:
                 flat = np.asarray(values[column.name]).ravel()
                 if column.kind == "name":

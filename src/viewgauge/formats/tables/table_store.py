@@ -1,4 +1,4 @@
-"""Tables over (setting, dimension), written chunk by chunk: CSV, Parquet or Zarr, by the file's suffix."""
+"""Tables over (viewpoint, characteristic), written chunk by chunk: CSV, Parquet or Zarr, by the file's suffix."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class TableStore(Protocol):
         ...
 
     def write(
-        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+        self, first_viewpoint: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
     ) -> None:
-        """Write the chunk of settings that begins with ``first_setting``, in any order, each once.
+        """Write the chunk of viewpoints that begins with ``first_viewpoint``, in any order, each once.
 
         Parameters
         ----------

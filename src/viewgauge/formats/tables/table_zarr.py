@@ -1,7 +1,7 @@
 """The table as a Zarr store that is built chunk by chunk, by several processes, and goes on where it was stopped.
 
 It is built in a journal's folder beside its place, ``.NAME.partial``, and moved there when it is complete. A chunk of
-settings is one file for each column; its entry in the journal is made when all are written. Chunks are compressed
+viewpoints is one file for each column; its entry in the journal is made when all are written. Chunks are compressed
 without regard to what else runs, so the bytes do not tell how they came about. The format is Zarr's 2 (format 3 has
 no settled way to store text) with the conventions of xarray.
 """
@@ -41,7 +41,7 @@ class ZarrRegionWriter:
     target: Path
 
     def write(
-        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+        self, first_viewpoint: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
     ) -> None:
         """Write a chunk and record that it is done, with a summary of plain data; see :meth:`ZarrTable.write`.
 
@@ -58,14 +58,14 @@ class ZarrRegionWriter:
                 "workers do not write",
             )
         with writing_in(self.target):
-            self._write(first_setting, values, summary)
+            self._write(first_viewpoint, values, summary)
 
     def _write(
-        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None
+        self, first_viewpoint: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None
     ) -> None:
         import zarr
 
-        chunk = self.layout.chunk_of(first_setting)
+        chunk = self.layout.chunk_of(first_viewpoint)
         checked = self.layout.checked(chunk, values)
         group = zarr.open_group(self.job / "table", mode="r+", zarr_format=2)
         with zarr.config.set({"array.write_empty_chunks": True}):  # the same files whatever the user's configuration
@@ -73,7 +73,7 @@ class ZarrRegionWriter:
                 array = checked[column.name]
                 if column.kind == "name":
                     array = np.array(column.names, dtype=column.dtype)[array.astype(np.int64)]
-                group[column.name][self.layout.settings(chunk)] = array
+                group[column.name][self.layout.viewpoints(chunk)] = array
         record_entry(self.job, chunk, summary=json.dumps(dict(summary or {})))
 
 
@@ -130,15 +130,15 @@ class ZarrTable:
         """Summaries of the chunks that are done, by chunk, as they were when the table was opened."""
 
     def writer(self) -> ZarrRegionWriter:
-        """What other processes write chunks with; without the ids of the settings, so that it is small."""
-        unnamed = range(len(self._layout.setting_ids))
-        layout = replace(self._layout, setting_ids=unnamed)  # type: ignore[arg-type] # never read
+        """What other processes write chunks with; without the ids of the viewpoints, so that it is small."""
+        unnamed = range(len(self._layout.viewpoint_ids))
+        layout = replace(self._layout, viewpoint_ids=unnamed)  # type: ignore[arg-type] # never read
         return ZarrRegionWriter(self._journal.job, layout, self._path)
 
     def write(
-        self, first_setting: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
+        self, first_viewpoint: int, values: Mapping[str, NDArray[np.generic]], summary: Mapping[str, Any] | None = None
     ) -> None:
-        """Write the chunk of settings that begins with ``first_setting``.
+        """Write the chunk of viewpoints that begins with ``first_viewpoint``.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class ZarrTable:
         summary
             Plain data, given back in :attr:`done` when the table is opened again.
         """
-        self.writer().write(first_setting, values, summary)
+        self.writer().write(first_viewpoint, values, summary)
 
     def __enter__(self) -> Self:
         return self
@@ -188,20 +188,20 @@ def _make(path: Path, layout: TableLayout) -> None:
     import zarr
 
     group = zarr.create_group(path, zarr_format=2, attributes=dict(layout.attrs))
-    settings, dimensions = layout.setting_ids, layout.dimension_ids
-    _fill(group, "setting", _Texts(settings), ["setting"])
-    _fill(group, "dimension", _Texts(dimensions), ["dimension"])
+    viewpoints, characteristics = layout.viewpoint_ids, layout.characteristic_ids
+    _fill(group, "viewpoint", _Texts(viewpoints), ["viewpoint"])
+    _fill(group, "characteristic", _Texts(characteristics), ["characteristic"])
     for name, values in layout.coordinates.items():
-        _fill(group, name, np.asarray(values, dtype=float), ["dimension"])
+        _fill(group, name, np.asarray(values, dtype=float), ["characteristic"])
     attributes = {"coordinates": " ".join(sorted(layout.coordinates))} if layout.coordinates else {}
     for column in layout.columns:
         _create(
             group,
             column.name,
-            (len(settings), len(dimensions)),
-            (layout.chunk_settings, max(len(dimensions), 1)),
+            (len(viewpoints), len(characteristics)),
+            (layout.chunk_viewpoints, max(len(characteristics), 1)),
             column.dtype,
-            {**attributes, "_ARRAY_DIMENSIONS": ["setting", "dimension"]},
+            {**attributes, "_ARRAY_DIMENSIONS": ["viewpoint", "characteristic"]},
         )
 
 

@@ -1,4 +1,4 @@
-"""Write a table that is in memory: a dataset over (setting, dimension)."""
+"""Write a table that is in memory: a dataset over (viewpoint, characteristic)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _PAIRS_PER_CHUNK = 500_000
 
 
 def write_table(table: xr.Dataset, path: str | PathLike[str], columns: Sequence[str]) -> None:
-    """Write a dataset over (setting, dimension), one row a pair (CSV, Parquet) or as it is (Zarr).
+    """Write a dataset over (viewpoint, characteristic), one row a pair (CSV, Parquet) or as it is (Zarr).
 
     Parameters
     ----------
     columns
-        Variables to write, in order, after ``setting`` and ``dimension``.
+        Variables to write, in order, after ``viewpoint`` and ``characteristic``.
 
     Raises
     ------
@@ -36,17 +36,17 @@ def write_table(table: xr.Dataset, path: str | PathLike[str], columns: Sequence[
     described = {str(name): _column(str(name), table[name].values, str(name) in columns) for name in table.data_vars}
     order = [*columns, *(name for name in described if name not in columns)]
     layout = TableLayout(
-        [str(name) for name in table["setting"].values],
-        [str(name) for name in table["dimension"].values],
+        [str(name) for name in table["viewpoint"].values],
+        [str(name) for name in table["characteristic"].values],
         tuple(described[name][0] for name in order),
-        max(1, _PAIRS_PER_CHUNK // max(table.sizes["dimension"], 1)),
-        {str(name): table[name].values for name in table.coords if name not in ("setting", "dimension")},
+        max(1, _PAIRS_PER_CHUNK // max(table.sizes["characteristic"], 1)),
+        {str(name): table[name].values for name in table.coords if name not in ("viewpoint", "characteristic")},
         {str(name): value for name, value in table.attrs.items()},
     )
     with open_table(path, layout) as store:
         for chunk in range(layout.chunks):
-            settings = layout.settings(chunk)
-            store.write(settings.start, {name: values[settings] for name, (_, values) in described.items()})
+            viewpoints = layout.viewpoints(chunk)
+            store.write(viewpoints.start, {name: values[viewpoints] for name, (_, values) in described.items()})
 
 
 def _column(name: str, values: NDArray[np.generic], in_rows: bool) -> tuple[Column, NDArray[np.generic]]:

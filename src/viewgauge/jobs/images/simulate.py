@@ -1,4 +1,4 @@
-"""Images of the part as the camera sees it when the head is sent to settings and does not quite get there."""
+"""Images of the part as the camera sees it when the head is sent to viewpoints and does not quite get there."""
 
 from __future__ import annotations
 
@@ -19,36 +19,37 @@ from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
 from ...formats.files.images import write_png
 from ...geometry import quaternion_from_pose
-from ...measurement.image.measurand_image import gauge_windows
-from ...planning.inspection import ExplicitSettings, Inspection
+from ...measurement.image.measurand_image import measurand_windows
+from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...sensors import Window
 from ...simulation.displaced_poses import displaced_poses
 from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
 from ...simulation.true_camera import true_camera
-from ..evaluate import SettingsLike, settings_of
+from ..evaluate import ViewpointsLike, viewpoints_of
 from ..write import make_folder
-from .measure import seen_gauges
+from .measure import seen_measurands
 
 __all__ = ["simulate"]
 
-_CALIBRATION = 1 << 31  # of the seed of the true camera, beside those of the settings
+_CALIBRATION = 1 << 31  # of the seed of the true camera, beside those of the viewpoints
 
 
 def simulate(
     inspection: Inspection,
     folder: str | PathLike[str],
-    settings: SettingsLike = None,
+    viewpoints: ViewpointsLike = None,
     *,
-    looks: int = 1,
+    repeats: int = 1,
     sensor: ImageSensor | None = None,
     rays_per_pixel: int = 34,
     only: Sequence[str] = (),
     seed: int | None = None,
     progress: Progress | None = None,
 ) -> int:
-    """Write images ``SETTING_LOOK.png`` of displaced looks, and ``looks.csv`` with where the camera really stood.
+    """Write images ``VIEWPOINT_REPEAT.png`` of displaced cameras, and ``acquisitions.csv`` with where the camera
+    really stood.
 
     Where the inspection states how well its camera is calibrated, one true camera is drawn, with which all images are
     made; ``simulation.json`` has it.
@@ -58,16 +59,16 @@ def simulate(
     Parameters
     ----------
     folder
-        For images, ``looks.csv`` (the truth, which no measurement may read) and ``simulation.json``.
-    settings
-        As of :func:`~viewgauge.evaluate`, such as a plan's ``settings.csv``.
-    looks
-        Of each setting; the head's errors are drawn anew for each.
+        For images, ``acquisitions.csv`` (the truth, which no measurement may read) and ``simulation.json``.
+    viewpoints
+        As of :func:`~viewgauge.evaluate`, such as a plan's ``viewpoints.csv``.
+    repeats
+        Of each viewpoint; the head's errors are drawn anew for each.
     rays_per_pixel
         Of :data:`~viewgauge.simulation.renderer.FIBONACCI`.
     only
-        Ids of dimensions: only what is looked at to measure them is rendered, the rest of the image is black. None for
-        all of it.
+        Ids of characteristics: only what is looked at to measure them is rendered, the rest of the image is black. None
+        for all of it.
 
     Returns
     -------
@@ -78,9 +79,9 @@ def simulate(
     InputError
         If a number is out of range, or the folder holds another simulation.
     """
-    if looks < 1:
-        raise InputError("at least one look", key="looks", got=looks)
-    chosen, sensor, progress = settings_of(inspection, settings), sensor or ImageSensor(), progress or Silent()
+    if repeats < 1:
+        raise InputError("at least one acquisition", key="repeats", got=repeats)
+    chosen, sensor, progress = viewpoints_of(inspection, viewpoints), sensor or ImageSensor(), progress or Silent()
     seed = inspection.seed if seed is None else seed
     if seed < 0:
         raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
@@ -91,8 +92,8 @@ def simulate(
     place = make_folder(folder)
     about = {
         "inputs": dict(inspection.inputs),
-        "settings": {name: T.tolist() for name, T in zip(chosen.ids, chosen.T_part_camera, strict=True)},
-        "looks": looks,
+        "viewpoints": {name: T.tolist() for name, T in zip(chosen.ids, chosen.T_part_camera, strict=True)},
+        "repeats": repeats,
         "sensor": asdict(sensor),
         "rays_per_pixel": rays_per_pixel,
         "chord_error_mm": mesh.chord_error_mm,
@@ -106,38 +107,44 @@ def simulate(
     }
     _claim(place / "simulation.json", about)
     rows = []
-    with progress.stage(f"Simulating {len(chosen) * looks} images", len(chosen) * looks) as advance:
+    with progress.stage(f"Simulating {len(chosen) * repeats} images", len(chosen) * repeats) as advance:
         for number, (name, T) in enumerate(zip(chosen.ids, chosen.T_part_camera, strict=True)):
-            poses = displaced_poses(T, inspection.head, looks, np.random.default_rng([seed, number]))
-            for look, pose in enumerate(poses, start=1):
-                file = f"{name}_{look:04d}.png"
-                rows.append([file, name, look, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
+            poses = displaced_poses(T, inspection.pose_error, repeats, np.random.default_rng([seed, number]))
+            for acquisition, pose in enumerate(poses, start=1):
+                file = f"{name}_{acquisition:04d}.png"
+                rows.append(
+                    [file, name, acquisition, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))]
+                )
                 if not (place / file).exists():
-                    rng = np.random.default_rng([seed, number, look])
+                    rng = np.random.default_rng([seed, number, acquisition])
                     grey = partial_image(renderer, sensor, pose, camera, windows[number], rng)
                     write_png(place / file, grey, sensor.bits)
                 advance(1)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["image", "setting", "look", "x", "y", "z", "qw", "qx", "qy", "qz"])
+    writer.writerow(["image", "viewpoint", "look", "x", "y", "z", "qw", "qx", "qy", "qz"])
     writer.writerows(rows)
-    write_text_atomically(place / "looks.csv", text.getvalue())
+    write_text_atomically(place / "acquisitions.csv", text.getvalue())
     return len(rows)
 
 
-def _windows(inspection: Inspection, settings: ExplicitSettings, only: Sequence[str]) -> list[list[Window]]:
-    """Of each setting what is rendered."""
-    camera, head = inspection.camera, inspection.head
+def _windows(inspection: Inspection, viewpoints: ExplicitViewpoints, only: Sequence[str]) -> list[list[Window]]:
+    """Of each viewpoint what is rendered."""
+    camera, pose_error = inspection.camera, inspection.pose_error
     if not only:
-        return [[Window.whole(camera)]] * len(settings)
-    known = {dimension.id: dimension for dimension in inspection.part.dimensions}
+        return [[Window.whole(camera)]] * len(viewpoints)
+    known = {characteristic.id: characteristic for characteristic in inspection.part.characteristics}
     for name in only:
         if name not in known:
-            raise InputError("no such dimension", key="only", got=name, expected=", ".join(known))
-    evaluation = EvaluationJob.of(inspection, [known[name] for name in only], settings)
+            raise InputError("no such characteristic", key="only", got=name, expected=", ".join(known))
+    evaluation = EvaluationJob.of(inspection, [known[name] for name in only], viewpoints)
     return [
-        [window for gauge in seen_gauges(evaluation, T).values() for window in gauge_windows(gauge, T, camera, head)]
-        for T in settings.T_part_camera
+        [
+            window
+            for measurand in seen_measurands(evaluation, T).values()
+            for window in measurand_windows(measurand, T, camera, pose_error)
+        ]
+        for T in viewpoints.T_part_camera
     ]
 
 

@@ -1,7 +1,8 @@
-"""Is the law of the error true? Displaced looks are rendered and measured, and their errors held against the law.
+"""Is the law of the error true? Displaced acquisitions are rendered and measured, and their errors held against the
+law.
 
-What predicts sees the inspection and, of each setting, a rehearsal: images without noise, of which the contrast of
-edges is taken, and whether they can be found at all. It sees nothing of the looks that it is judged on.
+What predicts sees the inspection and, of each viewpoint, a rehearsal: images without noise, of which the contrast of
+edges is taken, and whether they can be found at all. It sees nothing of the acquisitions that it is judged on.
 """
 
 from __future__ import annotations
@@ -25,20 +26,20 @@ from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
 from ...geometry import PoseError, invert, transform
 from ...measurement.image.edges import EdgeFinder
-from ...measurement.image.expected_edges import ExpectedGauge
+from ...measurement.image.expected_edges import ExpectedMeasurand
 from ...measurement.image.image_pose import find_guide
 from ...measurement.image.length_law import length_law
-from ...measurement.image.measurand_image import GaugeImage, gauge_windows, measure_gauge
+from ...measurement.image.measurand_image import MeasurandImage, measurand_windows, measure_in_image
 from ...planning import without_allowed_error
-from ...planning.inspection import ExplicitSettings, Inspection
+from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...sensors import Camera
 from ...simulation.displaced_poses import displaced_poses
 from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
 from ...simulation.true_camera import true_camera
-from ..evaluate import SettingsLike, settings_of
-from .measure import Edges, require_edges, seen_gauges
+from ..evaluate import ViewpointsLike, viewpoints_of
+from .measure import Edges, require_edges, seen_measurands
 
 __all__ = [
     "LEVELS",
@@ -66,7 +67,7 @@ class Coverage:
 
     level: float
     inside: int
-    looks: int
+    acquisitions: int
     low: int
     high: int
 
@@ -81,26 +82,26 @@ class Coverage:
 
     @property
     def holds(self) -> bool:
-        """Whether the count is what is expected of a true law; without a look nothing is."""
-        return self.looks > 0 and self.low <= self.inside <= self.high
+        """Whether the count is what is expected of a true law; without an acquisition nothing is."""
+        return self.acquisitions > 0 and self.low <= self.inside <= self.high
 
 
 @dataclass(frozen=True)
 class ValidatedPair:
-    """A dimension from a setting.
+    """A characteristic from a viewpoint.
 
     Parameters
     ----------
     predicted_px, location_px
         Standard deviation of the image length, all of it, and of the ends' location alone, px.
     errors_px
-        ``(looks,)``: measured less nominal image length, px; NaN where it was not measured.
+        ``(acquisitions,)``: measured less nominal image length, px; NaN where it was not measured.
     probability
-        ``(looks,)``: by the law, of errors less far from zero than this.
+        ``(acquisitions,)``: by the law, of errors less far from zero than this.
     """
 
-    setting: str
-    dimension: str
+    viewpoint: str
+    characteristic: str
     length_px: float
     predicted_px: float
     location_px: float
@@ -110,7 +111,7 @@ class ValidatedPair:
 
 @dataclass(frozen=True)
 class Validation:
-    """What came of the looks.
+    """What came of the acquisitions.
 
     Parameters
     ----------
@@ -119,26 +120,27 @@ class Validation:
     refused
         Pairs that it cannot, with the reason.
     drawn
-        ``(n,)``: the probabilities of one dimension of each look, drawn before it was taken: independent of each other.
+        ``(n,)``: the probabilities of one characteristic of each acquisition, drawn before it was taken: independent of
+        each other.
     drawn_unmeasured
-        Looks in which the drawn one could not be measured.
+        Acquisitions in which the drawn one could not be measured.
     """
 
     edges: Edges
-    settings: int
-    looks: int
+    viewpoints: int
+    acquisitions: int
     pairs: tuple[ValidatedPair, ...]
     refused: tuple[tuple[str, str, str], ...]
     drawn: NDArray[np.float64]
     drawn_unmeasured: int
 
     def coverage(self) -> tuple[Coverage, ...]:
-        """Over all looks, one dimension of each."""
+        """Over all acquisitions, one characteristic of each."""
         return tuple(Coverage.of(self.drawn, level) for level in LEVELS)
 
-    def coverage_of(self, dimension: str) -> tuple[Coverage, ...]:
-        """Of one dimension, over all looks that it was measured in."""
-        found = [pair.probability for pair in self.pairs if pair.dimension == dimension]
+    def coverage_of(self, characteristic: str) -> tuple[Coverage, ...]:
+        """Of one characteristic, over all acquisitions that it was measured in."""
+        found = [pair.probability for pair in self.pairs if pair.characteristic == characteristic]
         values = np.concatenate(found) if found else np.zeros(0)
         values = values[np.isfinite(values)]
         return tuple(Coverage.of(values, level) for level in LEVELS)
@@ -147,9 +149,9 @@ class Validation:
 @dataclass(frozen=True, eq=False)
 class _Job:
     inspection: Inspection
-    settings: ExplicitSettings
+    viewpoints: ExplicitViewpoints
     evaluation: EvaluationJob
-    looks: int
+    acquisitions: int
     sensor: ImageSensor
     edges: tuple[Edges, ...]
     rays_per_pixel: int
@@ -158,7 +160,7 @@ class _Job:
 
 @dataclass(frozen=True)
 class _Outcome:
-    """Of one setting, by the way of finding edges."""
+    """Of one viewpoint, by the way of finding edges."""
 
     pairs: dict[Edges, list[ValidatedPair]]
     refused: list[tuple[str, str, str]]
@@ -167,10 +169,10 @@ class _Outcome:
 
 def validate(
     inspection: Inspection,
-    settings: SettingsLike = None,
+    viewpoints: ViewpointsLike = None,
     *,
     sample: int = 20,
-    looks: int = 100,
+    repeats: int = 100,
     sensor: ImageSensor | None = None,
     edges: Sequence[Edges] = ("sub-pixel",),
     rays_per_pixel: int = 34,
@@ -178,22 +180,22 @@ def validate(
     progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> dict[Edges, Validation]:
-    """Hold the law of the error against displaced looks, rendered and measured.
+    """Hold the law of the error against displaced acquisitions, rendered and measured.
 
     Each look has its own draw of the head's and of the calibration's errors and of the noise. Only what is looked at
     is rendered.
 
     Parameters
     ----------
-    settings
+    viewpoints
         As of :func:`~viewgauge.evaluate`; where neither they nor the inspection name any, ``sample`` of the candidates
         that see something are drawn.
-    looks
-        Of each setting.
+    repeats
+        Of each viewpoint.
     edges
         How edges are found in the same images: "sub-pixel", "whole-pixel".
     executor
-        Where settings are worked on (:func:`~viewgauge.jobs.open_executor`); by default in this process.
+        Where viewpoints are worked on (:func:`~viewgauge.jobs.open_executor`); by default in this process.
 
     Returns
     -------
@@ -204,36 +206,36 @@ def validate(
     InputError
         If a number is out of range.
     NoCandidateError
-        If no candidate sees a dimension.
+        If no candidate sees a characteristic.
     """
-    for name, value in (("looks", looks), ("sample", sample)):
+    for name, value in (("repeats", repeats), ("sample", sample)):
         if value < 1:
             raise InputError("at least one", key=name, got=value)
     for how in edges:
         require_edges(how)
     seed = inspection.seed if seed is None else seed
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    if settings is None and inspection.settings is None:
-        chosen = _drawn_settings(inspection, sample, seed)
+    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    if viewpoints is None and inspection.viewpoints is None:
+        chosen = _drawn_viewpoints(inspection, sample, seed)
     else:
-        chosen = settings_of(inspection, settings)
-    evaluation = EvaluationJob.of(inspection, dimensions, chosen)
-    job = _Job(inspection, chosen, evaluation, looks, sensor or ImageSensor(), tuple(edges), rays_per_pixel, seed)
+        chosen = viewpoints_of(inspection, viewpoints)
+    evaluation = EvaluationJob.of(inspection, characteristics, chosen)
+    job = _Job(inspection, chosen, evaluation, repeats, sensor or ImageSensor(), tuple(edges), rays_per_pixel, seed)
     outcomes: dict[int, _Outcome] = {}
     progress, executor = progress or Silent(), executor or InProcess()
-    with progress.stage(f"Simulating and measuring {len(chosen) * looks} looks", len(chosen)) as advance:
-        for index, outcome in executor.run(_validated_setting, job, list(range(len(chosen)))):
+    with progress.stage(f"Simulating and measuring {len(chosen) * repeats} acquisitions", len(chosen)) as advance:
+        for index, outcome in executor.run(_validated_viewpoint, job, list(range(len(chosen)))):
             outcomes[index] = outcome
             advance(1)
-    return {how: _gathered(how, [outcomes[k] for k in range(len(chosen))], looks) for how in edges}
+    return {how: _gathered(how, [outcomes[k] for k in range(len(chosen))], repeats) for how in edges}
 
 
-def _gathered(how: Edges, outcomes: Sequence[_Outcome], looks: int) -> Validation:
+def _gathered(how: Edges, outcomes: Sequence[_Outcome], acquisitions: int) -> Validation:
     drawn = np.array([value for outcome in outcomes for value in outcome.drawn[how]])
     return Validation(
         how,
         len(outcomes),
-        looks,
+        acquisitions,
         tuple(pair for outcome in outcomes for pair in outcome.pairs[how]),
         tuple(refusal for outcome in outcomes for refusal in outcome.refused),
         drawn[np.isfinite(drawn)],
@@ -241,23 +243,23 @@ def _gathered(how: Edges, outcomes: Sequence[_Outcome], looks: int) -> Validatio
     )
 
 
-def _drawn_settings(inspection: Inspection, count: int, seed: int) -> ExplicitSettings:
+def _drawn_viewpoints(inspection: Inspection, count: int, seed: int) -> ExplicitViewpoints:
     """Candidates that see something, drawn at random."""
-    dimensions, _ = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    if not dimensions:
-        raise NoCandidateError("nothing can be measured, so no setting is sampled: see viewgauge check")
-    grid = candidate_grid(inspection, dimensions)
-    evaluation = EvaluationJob.of(inspection, dimensions, grid)
+    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    if not characteristics:
+        raise NoCandidateError("nothing can be measured, so no viewpoint is sampled: see viewgauge check")
+    grid = candidate_grid(inspection, characteristics)
+    evaluation = EvaluationJob.of(inspection, characteristics, grid)
     rng, found = np.random.default_rng([seed, 7]), []
     for index in rng.permutation(len(grid)).tolist():
         pose = grid.poses(index, index + 1)
-        if seen_gauges(evaluation, pose[0]):
+        if seen_measurands(evaluation, pose[0]):
             found.append((f"C{index + 1}", pose[0]))
         if len(found) == count:
             break
     if not found:
-        raise NoCandidateError("no candidate sees a dimension: see viewgauge check")
-    return ExplicitSettings(tuple(name for name, _ in found), np.array([pose for _, pose in found]))
+        raise NoCandidateError("no candidate sees a characteristic: see viewgauge check")
+    return ExplicitViewpoints(tuple(name for name, _ in found), np.array([pose for _, pose in found]))
 
 
 @lru_cache(maxsize=1)
@@ -266,14 +268,18 @@ def _renderer_of(job: _Job) -> Renderer:
     return Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=job.rays_per_pixel)
 
 
-def _validated_setting(job: _Job, index: int) -> _Outcome:
-    """All looks of one setting."""
-    inspection, sensor, name = job.inspection, job.sensor, job.settings.ids[index]
-    camera, T = inspection.camera, job.settings.T_part_camera[index]
-    head = PoseError(inspection.head.covariance, T_camera_head=inspection.head.T_camera_head)  # none in common
-    gauges = seen_gauges(job.evaluation, T)
-    windows = [window for gauge in gauges.values() for window in gauge_windows(gauge, T, camera, head)]
-    renderer, expected, full = _renderer_of(job), list(gauges.values()), 2**sensor.bits - 1
+def _validated_viewpoint(job: _Job, index: int) -> _Outcome:
+    """All acquisitions of one viewpoint."""
+    inspection, sensor, name = job.inspection, job.sensor, job.viewpoints.ids[index]
+    camera, T = inspection.camera, job.viewpoints.T_part_camera[index]
+    pose_error = PoseError(
+        inspection.pose_error.covariance, T_camera_frame=inspection.pose_error.T_camera_frame
+    )  # none in common
+    measurands = seen_measurands(job.evaluation, T)
+    windows = [
+        window for measurand in measurands.values() for window in measurand_windows(measurand, T, camera, pose_error)
+    ]
+    renderer, expected, full = _renderer_of(job), list(measurands.values()), 2**sensor.bits - 1
     rounding, draw = 1 / full / np.sqrt(12), np.random.default_rng([job.seed, index, 1])
     noise, rehearsal = float(np.hypot(sensor.noise, rounding)), replace(sensor, noise=0.0)
 
@@ -282,53 +288,61 @@ def _validated_setting(job: _Job, index: int) -> _Outcome:
     ) -> list[_Seen]:
         image = partial_image(renderer, sensor, pose, true, windows, rng) / full
         finder = EdgeFinder(image, noise, windows)
-        guide = find_guide(finder, expected, T, camera, head)
+        guide = find_guide(finder, expected, T, camera, pose_error)
         if guide is None:
             return [None] * len(expected)
-        return [measure_gauge(finder, image, gauge, T, camera, guide) for gauge in expected]
+        return [measure_in_image(finder, image, measurand, T, camera, guide) for measurand in expected]
 
-    why = _rehearsed(gauges, T, camera, head, lambda pose: measured(pose, rehearsal, camera, draw, rounding), draw)
+    why = _rehearsed(
+        measurands, T, camera, pose_error, lambda pose: measured(pose, rehearsal, camera, draw, rounding), draw
+    )
     clean = measured(T, rehearsal, camera, draw)
     known = [k for k, (reason, seen) in enumerate(zip(why, clean, strict=True)) if not reason and seen is not None]
-    refused = [(name, dimension, reason) for dimension, reason in zip(gauges, why, strict=True) if reason]
-    poses = displaced_poses(T, head, job.looks, np.random.default_rng([job.seed, index]))
-    choice = draw.integers(len(known), size=job.looks) if known else np.zeros(0, np.int64)
-    looks = []
-    for look in range(job.looks if known else 0):
-        rng = np.random.default_rng([job.seed, index, 2, look])
-        looks.append(measured(poses[look], sensor, true_camera(camera, rng), rng))
+    refused = [(name, characteristic, reason) for characteristic, reason in zip(measurands, why, strict=True) if reason]
+    poses = displaced_poses(T, pose_error, job.acquisitions, np.random.default_rng([job.seed, index]))
+    choice = draw.integers(len(known), size=job.acquisitions) if known else np.zeros(0, np.int64)
+    acquisitions = []
+    for acquisition in range(job.acquisitions if known else 0):
+        rng = np.random.default_rng([job.seed, index, 2, acquisition])
+        acquisitions.append(measured(poses[acquisition], sensor, true_camera(camera, rng), rng))
     outcome = _Outcome({how: [] for how in job.edges}, refused, {how: [] for how in job.edges})
     for how in job.edges:
         for k in known:
-            gauge, nominal = expected[k], clean[k]
+            measurand, nominal = expected[k], clean[k]
             assert nominal is not None  # known
-            seen = [found[k] for found in looks]
-            outcome.pairs[how].append(_pair(name, list(gauges)[k], gauge, nominal, seen, T, camera, head, how))
-        outcome.drawn[how] += [float(outcome.pairs[how][c].probability[look]) for look, c in enumerate(choice)]
+            seen = [found[k] for found in acquisitions]
+            outcome.pairs[how].append(
+                _pair(name, list(measurands)[k], measurand, nominal, seen, T, camera, pose_error, how)
+            )
+        outcome.drawn[how] += [
+            float(outcome.pairs[how][c].probability[acquisition]) for acquisition, c in enumerate(choice)
+        ]
     return outcome
 
 
-_Seen = GaugeImage | None
+_Seen = MeasurandImage | None
 
 
 def _rehearsed(
-    gauges: Mapping[str, ExpectedGauge],
+    measurands: Mapping[str, ExpectedMeasurand],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
-    head: PoseError,
+    pose_error: PoseError,
     measured: Callable[[NDArray[np.float64]], list[_Seen]],
     rng: np.random.Generator,
 ) -> list[str]:
-    """Why a gauge cannot be measured even in images without noise, or is not where it is found; empty where it can."""
-    why = ["" for _ in gauges]
-    for pose in [T_part_camera, *displaced_poses(T_part_camera, head, _REHEARSALS, rng)]:
-        for k, (gauge, seen) in enumerate(zip(gauges.values(), measured(pose), strict=True)):
+    """Why a measurand cannot be measured even in images without noise, or is not where it is found; empty where it
+    can.
+    """
+    why = ["" for _ in measurands]
+    for pose in [T_part_camera, *displaced_poses(T_part_camera, pose_error, _REHEARSALS, rng)]:
+        for k, (measurand, seen) in enumerate(zip(measurands.values(), measured(pose), strict=True)):
             if seen is None:
                 why[k] = why[k] or "the part is not seen as planned"
             elif seen.measured_mm is None:
                 why[k] = why[k] or seen.reason
             else:
-                true = float(np.linalg.norm(np.diff(camera.project(transform(invert(pose), gauge.points)), axis=0)))
+                true = float(np.linalg.norm(np.diff(camera.project(transform(invert(pose), measurand.points)), axis=0)))
                 off = abs(seen.measured_mm - true) / min(camera.pixel_pitch_mm)
                 if off > _OFF_PX:
                     why[k] = why[k] or f"what lies beside its edges moves them: off by {off:.1f} px in clear images"
@@ -336,18 +350,18 @@ def _rehearsed(
 
 
 def _pair(
-    setting: str,
-    dimension: str,
-    gauge: ExpectedGauge,
-    nominal: GaugeImage,
+    viewpoint: str,
+    characteristic: str,
+    measurand: ExpectedMeasurand,
+    nominal: MeasurandImage,
     seen: Sequence[_Seen],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
-    head: PoseError,
+    pose_error: PoseError,
     how: Edges,
 ) -> ValidatedPair:
     whole = how == "whole-pixel"
-    law = length_law(gauge.points, T_part_camera, camera, head, nominal.deviation_mm, whole_pixels=whole)
+    law = length_law(measurand.points, T_part_camera, camera, pose_error, nominal.deviation_mm, whole_pixels=whole)
     lengths = [None if found is None else found.length_mm(camera, whole) for found in seen]
     errors = np.array([np.nan if length is None else length - nominal.nominal_mm for length in lengths])
     probability = np.full(len(errors), np.nan)
@@ -355,8 +369,8 @@ def _pair(
     probability[good] = law.central_probability(np.abs(errors[good]))
     px = min(camera.pixel_pitch_mm)
     return ValidatedPair(
-        setting,
-        dimension,
+        viewpoint,
+        characteristic,
         nominal.nominal_mm / px,
         float(law.std()) / px,
         nominal.deviation_mm / px,
@@ -370,11 +384,13 @@ def describe_validation(found: Mapping[Edges, Validation]) -> list[dict[str, Any
     return [
         {
             "edges": one.edges,
-            "settings": one.settings,
-            "looks": one.looks,
+            "viewpoints": one.viewpoints,
+            "acquisitions": one.acquisitions,
             "coverage": [_level(c) for c in one.coverage()],
             "drawn_unmeasured": one.drawn_unmeasured,
-            "dimensions": [_dimension(one, name) for name in dict.fromkeys(p.dimension for p in one.pairs)],
+            "characteristics": [
+                _characteristic(one, name) for name in dict.fromkeys(p.characteristic for p in one.pairs)
+            ],
             "refused": [list(refusal) for refusal in one.refused],
         }
         for one in found.values()
@@ -385,12 +401,12 @@ def _level(coverage: Coverage) -> dict[str, Any]:
     return {**asdict(coverage), "holds": coverage.holds}
 
 
-def _dimension(found: Validation, name: str) -> dict[str, Any]:
-    errors = np.concatenate([p.errors_px / p.predicted_px for p in found.pairs if p.dimension == name])
+def _characteristic(found: Validation, name: str) -> dict[str, Any]:
+    errors = np.concatenate([p.errors_px / p.predicted_px for p in found.pairs if p.characteristic == name])
     good = errors[np.isfinite(errors)]
     return {
         "id": name,
-        "looks": len(good),
+        "acquisitions": len(good),
         "not_measured": int(len(errors) - len(good)),
         "rms_ratio": float(np.sqrt((good**2).mean())) if len(good) else None,
         "coverage": [_level(c) for c in found.coverage_of(name)],
@@ -398,7 +414,7 @@ def _dimension(found: Validation, name: str) -> dict[str, Any]:
 
 
 def write_validation(found: Mapping[Edges, Validation], path: str | PathLike[str]) -> None:
-    """Write a CSV with a row for each setting and dimension, px.
+    """Write a CSV with a row for each viewpoint and characteristic, px.
 
     Raises
     ------
@@ -407,7 +423,16 @@ def write_validation(found: Mapping[Edges, Validation], path: str | PathLike[str
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    names = ["edges", "setting", "dimension", "length_px", "predicted_px", "location_px", "looks", "not_measured"]
+    names = [
+        "edges",
+        "viewpoint",
+        "characteristic",
+        "length_px",
+        "predicted_px",
+        "location_px",
+        "acquisitions",
+        "not_measured",
+    ]
     writer.writerow([*names, "mean_px", "deviation_px", *(f"inside_{round(100 * level)}" for level in LEVELS)])
     for one in found.values():
         for pair in one.pairs:
@@ -417,5 +442,5 @@ def write_validation(found: Mapping[Edges, Validation], path: str | PathLike[str
             spread = [float(errors.mean()), float(errors.std())] if len(errors) else ["", ""]
             predicted = [pair.length_px, pair.predicted_px, pair.location_px]
             counts = [int(good.sum()), int((~good).sum())]
-            writer.writerow([one.edges, pair.setting, pair.dimension, *predicted, *counts, *spread, *inside])
+            writer.writerow([one.edges, pair.viewpoint, pair.characteristic, *predicted, *counts, *spread, *inside])
     write_text_atomically(Path(path), text.getvalue())

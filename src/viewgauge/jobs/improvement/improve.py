@@ -12,14 +12,14 @@ from ...evaluation import Evaluator
 from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...execution.progress import Progress, Silent
-from ...part.measurand_table import GaugeTable
+from ...part.measurand_table import MeasurandTable
 from ...planning import Plan, default_distance_range, without_allowed_error
-from ...planning.improve.improvement import Change, DimensionChanges, Improvement, TradeOff
-from ...planning.improve.knobs import KNOBS, MOVING, SETTLED, Knob, SetUp, scaled_head
+from ...planning.improve.improvement import Change, CharacteristicChanges, Improvement, TradeOff
+from ...planning.improve.knobs import KNOBS, MOVING, SETTLED, Knob, Rig, scaled_pose_error
 from ...planning.improve.least_change import SHORT, largest_factor, meeting
-from ...planning.inspection import ExplicitSettings, Inspection
+from ...planning.inspection import ExplicitViewpoints, Inspection
 from ..planning.plan import plan
-from .moved_viewpoints import MovedSettings
+from .moved_viewpoints import MovedViewpoints
 
 __all__ = ["improve", "settled_change", "settled_improvement"]
 
@@ -28,89 +28,95 @@ _PIXELS = 2.0 ** np.arange(-4, 3)  # of the trade-off
 
 
 def improve(inspection: Inspection, *, progress: Progress | None = None) -> Improvement:
-    """For each knob the least change that meets the requirement, for each dimension and for the part.
+    """For each knob the least change that meets the requirement, for each characteristic and for the part.
 
-    A dimension is met when some setting measures it as required, by the joint model where that answers. Settings are
-    the candidates and those of the refined plan, with the surest found for what is not met; for focal lengths and
-    distances, which move the camera, candidates alone. Explicit settings stay where they are: then neither is varied.
+    A characteristic is met when some viewpoint measures it as required, by the joint model where that answers.
+    Viewpoints are the candidates and those of the refined plan, with the most probable found for what is not met; for
+    focal lengths and distances, which move the camera, candidates alone. Explicit viewpoints stay where they are: then
+    neither is varied.
 
     Raises
     ------
     InputError
-        If there is no dimension to measure.
+        If there is no characteristic to measure.
     NoCandidateError
-        If there is no candidate setting.
+        If there is no candidate viewpoint.
     """
     progress = progress or Silent()
-    dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    if not dimensions:
-        raise InputError("no dimension can be measured; see viewgauge check", key="part")
+    characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    if not characteristics:
+        raise InputError("no characteristic can be measured; see viewgauge check", key="part")
     planned = plan(inspection, progress=progress, prove=False)
-    inspection = replace(inspection, part=replace(inspection.part, dimensions=dimensions))
-    source = inspection.settings or candidate_grid(inspection, dimensions)
-    found = [d.T_part_camera for d in planned.dimensions if d.T_part_camera is not None]
+    inspection = replace(inspection, part=replace(inspection.part, characteristics=characteristics))
+    source = inspection.viewpoints or candidate_grid(inspection, characteristics)
+    found = [d.T_part_camera for d in planned.characteristics if d.T_part_camera is not None]
     poses = np.concatenate([source.poses(0, len(source)), np.array(found).reshape(-1, 4, 4)])
-    setup = SetUp(inspection.camera, inspection.head, _distance_range(inspection))
-    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, source))
-    without = evaluator.with_errors(setup.camera.without_errors, scaled_head(setup.head, 0.0, 0.0))
+    setup = Rig(inspection.camera, inspection.pose_error, _distance_range(inspection))
+    evaluator = evaluator_of(EvaluationJob.of(inspection, characteristics, source))
+    without = evaluator.with_errors(setup.camera.without_errors, scaled_pose_error(setup.pose_error, 0.0, 0.0))
     possible = np.asarray(meeting(without, poses).any(axis=0))
     today = evaluator.probabilities(poses).max(axis=0)
     met = np.asarray(meeting(evaluator, poses).any(axis=0))
-    knobs = {k.name: k for k in (*SETTLED, *(() if inspection.settings else MOVING)) if k.today(setup) > 0}
-    of_each: list[dict[str, Change]] = [{} for _ in dimensions]
+    knobs = {k.name: k for k in (*SETTLED, *(() if inspection.viewpoints else MOVING)) if k.today(setup) > 0}
+    of_each: list[dict[str, Change]] = [{} for _ in characteristics]
     part: dict[str, Change] = {}
     trade_off: tuple[TradeOff, ...] = ()
     asked = np.flatnonzero(possible).tolist()
     for knob in knobs.values():
-        with progress.stage(f"Turning {knob.name.replace('_', ' ')}", len(dimensions)) as advance:
-            moved = MovedSettings(inspection, evaluator, setup, knob) if knob in MOVING else None
+        with progress.stage(f"Turning {knob.name.replace('_', ' ')}", len(characteristics)) as advance:
+            moved = MovedViewpoints(inspection, evaluator, setup, knob) if knob in MOVING else None
             for j, changes in enumerate(of_each):
                 changes[knob.name] = (
                     moved.change([j]) if moved else settled_change(evaluator.of([j]), poses, setup, knob)
                 )
                 advance(1)
             if asked:
-                of_asked = {dimensions[j].id: of_each[j][knob.name] for j in asked}
+                of_asked = {characteristics[j].id: of_each[j][knob.name] for j in asked}
                 change = moved.change(asked) if moved else _of_part(of_asked)
                 if moved is None and change.factor is not None:
                     change = _verified(change, _turned(evaluator.of(asked), setup, knob), poses)
                 part[knob.name] = change
-    if asked and {"pixel", "head"} <= knobs.keys():
+    if asked and {"pixel", "pose_error"} <= knobs.keys():
         with progress.stage("Trading pixels for the head", len(_PIXELS)) as advance:
             trade_off = tuple(_trades(evaluator.of(asked), poses, setup, advance))
     return Improvement(
         {name: knob.today(setup) for name, knob in knobs.items()},
-        tuple(DimensionChanges(d.id, bool(met[j]), float(today[j]), of_each[j]) for j, d in enumerate(dimensions)),
+        tuple(
+            CharacteristicChanges(d.id, bool(met[j]), float(today[j]), of_each[j])
+            for j, d in enumerate(characteristics)
+        ),
         part,
         trade_off,
-        tuple(d.id for j, d in enumerate(dimensions) if not possible[j]),
-        (*inspection.part.unusable, *refused),
+        tuple(d.id for j, d in enumerate(characteristics) if not possible[j]),
+        (*inspection.part.not_measurable, *refused),
         len(poses),
     )
 
 
 def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | None:
-    """By how much each error must be less, or may be more, with the settings of a plan as they stand.
+    """By how much each error must be less, or may be more, with the viewpoints of a plan as they stand.
 
-    Dimensions are judged by their surest setting, or, if none is sure enough, by the best pose that was tried. Those
-    that are averaged from several looks, or seen from nowhere, are left out; None where nothing remains. No candidate
-    is looked at: :func:`improve` may find that less has to change.
+    Characteristics are judged by their most probable viewpoint, or, if none is sure enough, by the best pose that was
+    tried. Those that are averaged from several viewpoints, or seen from nowhere, are left out; None where nothing
+    remains. No candidate is looked at: :func:`improve` may find that less has to change.
     """
-    single = {d.id for d in plan.dimensions if d.T_part_camera is not None and not d.looks}
-    dimensions = tuple(dimension for dimension in inspection.part.dimensions if dimension.id in single)
-    if not dimensions:
-        return None
-    found = {d.id: d.T_part_camera for d in plan.dimensions if d.status != "met" and d.id in single}
-    poses = np.array([s.T_part_camera for s in plan.settings] + list(found.values())).reshape(-1, 4, 4)
-    evaluator = evaluator_of(
-        EvaluationJob.of(inspection, dimensions, ExplicitSettings(tuple(map(str, range(len(poses)))), poses))
+    single = {d.id for d in plan.characteristics if d.T_part_camera is not None and not d.acquisitions}
+    characteristics = tuple(
+        characteristic for characteristic in inspection.part.characteristics if characteristic.id in single
     )
-    setup = SetUp(inspection.camera, inspection.head, (0.0, 0.0))
-    without = evaluator.with_errors(setup.camera.without_errors, scaled_head(setup.head, 0.0, 0.0))
+    if not characteristics:
+        return None
+    found = {d.id: d.T_part_camera for d in plan.characteristics if d.status != "met" and d.id in single}
+    poses = np.array([s.T_part_camera for s in plan.viewpoints] + list(found.values())).reshape(-1, 4, 4)
+    evaluator = evaluator_of(
+        EvaluationJob.of(inspection, characteristics, ExplicitViewpoints(tuple(map(str, range(len(poses)))), poses))
+    )
+    setup = Rig(inspection.camera, inspection.pose_error, (0.0, 0.0))
+    without = evaluator.with_errors(setup.camera.without_errors, scaled_pose_error(setup.pose_error, 0.0, 0.0))
     possible = np.asarray(meeting(without, poses).any(axis=0))
     today = evaluator.probabilities(poses).max(axis=0)
     met = np.asarray(meeting(evaluator, poses).any(axis=0))
-    of_each: list[dict[str, Change]] = [{} for _ in dimensions]
+    of_each: list[dict[str, Change]] = [{} for _ in characteristics]
     part: dict[str, Change] = {}
     knobs = {knob.name: knob for knob in SETTLED if knob.today(setup) > 0}
     asked = np.flatnonzero(possible).tolist()
@@ -118,33 +124,38 @@ def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | Non
         for j, changes in enumerate(of_each):
             changes[knob.name] = settled_change(evaluator.of([j]), poses, setup, knob)
         if asked:
-            part[knob.name] = _of_part({dimensions[j].id: of_each[j][knob.name] for j in asked})
+            part[knob.name] = _of_part({characteristics[j].id: of_each[j][knob.name] for j in asked})
     return Improvement(
         {name: knob.today(setup) for name, knob in knobs.items()},
-        tuple(DimensionChanges(d.id, bool(met[j]), float(today[j]), of_each[j]) for j, d in enumerate(dimensions)),
+        tuple(
+            CharacteristicChanges(d.id, bool(met[j]), float(today[j]), of_each[j])
+            for j, d in enumerate(characteristics)
+        ),
         part,
         (),
-        tuple(d.id for j, d in enumerate(dimensions) if not possible[j]),
-        inspection.part.unusable,
+        tuple(d.id for j, d in enumerate(characteristics) if not possible[j]),
+        inspection.part.not_measurable,
         len(poses),
     )
 
 
 def _distance_range(inspection: Inspection) -> tuple[float, float]:
-    points = GaugeTable.of(inspection.part.dimensions).points.reshape(-1, 3)
+    points = MeasurandTable.of(inspection.part.characteristics).points.reshape(-1, 3)
     return inspection.candidates.distance_mm or default_distance_range(points, inspection.camera)
 
 
-def _turned(evaluator: Evaluator, setup: SetUp, knob: Knob) -> Callable[[float], Evaluator]:
+def _turned(evaluator: Evaluator, setup: Rig, knob: Knob) -> Callable[[float], Evaluator]:
     def turned(factor: float) -> Evaluator:
         changed = knob.turned(setup, factor)
-        return evaluator.with_errors(changed.camera, changed.head)
+        return evaluator.with_errors(changed.camera, changed.pose_error)
 
     return turned
 
 
-def settled_change(evaluator: Evaluator, poses: NDArray[np.float64], setup: SetUp, knob: Knob) -> Change:
-    """The largest factor of an error with which the evaluator's dimensions are met, verified with all settings."""
+def settled_change(evaluator: Evaluator, poses: NDArray[np.float64], setup: Rig, knob: Knob) -> Change:
+    """The largest factor of an error with which the evaluator's characteristics are met, verified with all
+    viewpoints.
+    """
     turned = _turned(evaluator, setup, knob)
     threshold = largest_factor(turned, poses)
     if threshold.factor is None:
@@ -162,7 +173,7 @@ def settled_change(evaluator: Evaluator, poses: NDArray[np.float64], setup: SetU
 
 
 def _verified(change: Change, turned: Callable[[float], Evaluator], poses: NDArray[np.float64]) -> Change:
-    """The change of an error with whether it holds, all settings evaluated afresh."""
+    """The change of an error with whether it holds, all viewpoints evaluated afresh."""
     assert change.factor is not None  # the caller's condition
     holds = _all_met(turned(change.factor), poses)
     short = not change.unlimited and _all_met(turned(change.factor * (1 + SHORT)), poses)
@@ -174,7 +185,7 @@ def _all_met(evaluator: Evaluator, poses: NDArray[np.float64]) -> bool:
 
 
 def _of_part(changes: Mapping[str, Change]) -> Change:
-    """Of an error: the part is met as long as every dimension, here by id, is."""
+    """Of an error: the part is met as long as every characteristic, here by id, is."""
     verified = all(change.verified for change in changes.values())
     factors = {name: change.factor for name, change in changes.items() if change.factor is not None}
     if len(factors) < len(changes):
@@ -185,13 +196,13 @@ def _of_part(changes: Mapping[str, Change]) -> Change:
 
 
 def _trades(
-    evaluator: Evaluator, poses: NDArray[np.float64], setup: SetUp, advance: Callable[[int], None]
+    evaluator: Evaluator, poses: NDArray[np.float64], setup: Rig, advance: Callable[[int], None]
 ) -> list[TradeOff]:
-    pixel, head = KNOBS["pixel"], KNOBS["head"]
+    pixel, pose_error = KNOBS["pixel"], KNOBS["pose_error"]
     trades = []
     for step in _PIXELS.tolist():
         changed = pixel.turned(setup, step)
-        change = settled_change(evaluator, poses, changed, head)
+        change = settled_change(evaluator, poses, changed, pose_error)
         factor = change.factor
         trades.append(
             TradeOff(

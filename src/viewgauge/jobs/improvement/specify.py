@@ -11,12 +11,12 @@ from ...evaluation import Evaluator
 from ...exceptions import InputError, NoCandidateError
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...execution.progress import Progress, Silent
-from ...part import Dimension
-from ...part.measurand_table import GaugeTable
+from ...part import Characteristic
+from ...part.measurand_table import MeasurandTable
 from ...planning import default_distance_range, without_allowed_error
 from ...planning.improve.catalogue import FOCAL_LENGTHS_MM, SENSORS, SensorFormat
 from ...planning.improve.improvement import CameraChoice, Specification
-from ...planning.improve.knobs import KNOBS, SetUp
+from ...planning.improve.knobs import KNOBS, Rig
 from ...planning.improve.least_change import meeting
 from ...planning.inspection import Inspection
 from ...sensors import Camera
@@ -32,69 +32,71 @@ def specify(
     focal_lengths_mm: Sequence[float] = FOCAL_LENGTHS_MM,
     progress: Progress | None = None,
 ) -> Specification:
-    """For each sensor and lens the worst head, and the coarsest locator, with which every dimension is met.
+    """For each sensor and lens the worst head, and the coarsest edge detector, with which every characteristic is met.
 
-    By the candidates' settings.
+    By the candidates' viewpoints.
 
-    The edge locator's step in pixels, the head's covariance up to a factor, and the requirement are the inspection's;
+    The edge detector's step in pixels, the head's covariance up to a factor, and the requirement are the inspection's;
     so is the range of distances if it is stated, else it suits each camera. Apertures are not looked at: everything
     counts as in focus.
 
     Raises
     ------
     InputError
-        If there is no dimension to measure, or settings are given one by one.
+        If there is no characteristic to measure, or viewpoints are given one by one.
     """
     progress = progress or Silent()
-    dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    if not dimensions:
-        raise InputError("no dimension can be measured; see viewgauge check", key="part")
-    if inspection.settings is not None:
+    characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    if not characteristics:
+        raise InputError("no characteristic can be measured; see viewgauge check", key="part")
+    if inspection.viewpoints is not None:
         raise InputError(
             "a camera is specified by candidates that are sampled to suit it",
-            key="settings",
-            got="settings given one by one",
-            hint="leave out settings",
+            key="viewpoints",
+            got="viewpoints given one by one",
+            hint="leave out viewpoints",
         )
-    first = candidate_grid(inspection, dimensions)
-    evaluator = evaluator_of(EvaluationJob.of(inspection, dimensions, first))
+    first = candidate_grid(inspection, characteristics)
+    evaluator = evaluator_of(EvaluationJob.of(inspection, characteristics, first))
     choices = []
     with progress.stage("Trying cameras", len(sensors) * len(focal_lengths_mm)) as advance:
         for sensor in sorted(sensors, key=lambda s: s.resolution[0] * s.resolution[1]):
             for focal_length in sorted(focal_lengths_mm):
-                choice = _choice(inspection, dimensions, evaluator, sensor, focal_length)
+                choice = _choice(inspection, characteristics, evaluator, sensor, focal_length)
                 if choice is not None:
                     choices.append(choice)
                 advance(1)
     if not choices:
-        raise NoCandidateError("no candidate setting is left with any camera; see candidates")
-    return Specification(tuple(choices), len(dimensions), (*inspection.part.unusable, *refused))
+        raise NoCandidateError("no candidate viewpoint is left with any camera; see candidates")
+    return Specification(tuple(choices), len(characteristics), (*inspection.part.not_measurable, *refused))
 
 
 def _choice(
     inspection: Inspection,
-    dimensions: Sequence[Dimension],
+    characteristics: Sequence[Characteristic],
     evaluator: Evaluator,
     sensor: SensorFormat,
     focal_length_mm: float,
 ) -> CameraChoice | None:
     pitch = (sensor.pixel_pitch_mm, sensor.pixel_pitch_mm)
     today = inspection.camera
-    camera = Camera(focal_length_mm, pitch, sensor.resolution, today.edge_resolution_px, locator=today.locator)
-    points = GaugeTable.of(dimensions).points.reshape(-1, 3)
+    camera = Camera(
+        focal_length_mm, pitch, sensor.resolution, today.edge_resolution_px, edge_detector=today.edge_detector
+    )
+    points = MeasurandTable.of(characteristics).points.reshape(-1, 3)
     distance = inspection.candidates.distance_mm or default_distance_range(points, camera)
     options = replace(inspection.candidates, distance_mm=distance)
     try:
-        grid = candidate_grid(replace(inspection, camera=camera, candidates=options), dimensions)
+        grid = candidate_grid(replace(inspection, camera=camera, candidates=options), characteristics)
     except NoCandidateError:
         return None
-    poses, setup = grid.poses(0, len(grid)), SetUp(camera, inspection.head, distance)
-    of_camera = evaluator.with_errors(camera, inspection.head)
+    poses, setup = grid.poses(0, len(grid)), Rig(camera, inspection.pose_error, distance)
+    of_camera = evaluator.with_errors(camera, inspection.pose_error)
     met = int(np.count_nonzero(meeting(of_camera, poses).any(axis=0)))
-    head = settled_change(of_camera, poses, setup, KNOBS["head"])
+    pose_error = settled_change(of_camera, poses, setup, KNOBS["pose_error"])
     translation, rotation = (
-        None if head.factor is None or not knob.today(setup) else head.factor * knob.today(setup)
+        None if pose_error.factor is None or not knob.today(setup) else pose_error.factor * knob.today(setup)
         for knob in (KNOBS["translation"], KNOBS["rotation"])
     )
     pixel = settled_change(of_camera, poses, setup, KNOBS["pixel"]) if KNOBS["pixel"].today(setup) > 0 else None
-    return CameraChoice(sensor, focal_length_mm, distance, met, head, translation, rotation, pixel)
+    return CameraChoice(sensor, focal_length_mm, distance, met, pose_error, translation, rotation, pixel)

@@ -1,4 +1,4 @@
-"""Passes over all candidates, chunk by chunk: what a cover may need of them, and what is best for a dimension."""
+"""Passes over all candidates, chunk by chunk: what a cover may need of them, and what is best for a characteristic."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ...execution.executor import Executor
 from ...execution.progress import Progress
 from ...formats.files.journal import ChunkJournal, read_entry
 from ...planning import Undominated
-from ...planning.averaging.shortlist import LookShortlist
-from .averaging_search import looks_chunk
+from ...planning.averaging.shortlist import AcquisitionShortlist
+from .averaging_search import acquisitions_chunk
 
 __all__ = ["CandidateSearch"]
 
@@ -41,7 +41,7 @@ class CandidateSearch:
 
     def kept(self) -> Undominated:
         """The candidates that a cover may need."""
-        kept = Undominated(len(self._job.dimensions))
+        kept = Undominated(len(self._job.characteristics))
 
         def arrays(found: Undominated) -> _Arrays:
             return {"index": found.index, "level": found.level, "certain": found.certain}
@@ -51,37 +51,37 @@ class CandidateSearch:
             kept.add(**entry)
         return kept
 
-    def best(self, unmet: Sequence[int], corrections: Corrections) -> dict[int, tuple[BestRows, int]]:
-        """Of dimensions that are not met the best of all candidates: a second pass, for them alone."""
-        if not unmet:
+    def best(self, not_met: Sequence[int], corrections: Corrections) -> dict[int, tuple[BestRows, int]]:
+        """Of characteristics that are not met the best of all candidates: a second pass, for them alone."""
+        if not not_met:
             return {}
-        place = {j: k for k, j in enumerate(unmet)}
-        these = np.isin(corrections.dimension, list(unmet))
+        place = {j: k for k, j in enumerate(not_met)}
+        these = np.isin(corrections.characteristic, list(not_met))
         job = replace(
             self._job,
-            dimensions=tuple(self._job.dimensions[j] for j in unmet),
+            characteristics=tuple(self._job.characteristics[j] for j in not_met),
             corrections=Corrections(
-                corrections.setting[these],
-                np.array([place[j] for j in corrections.dimension[these].tolist()], dtype=np.int64),
+                corrections.viewpoint[these],
+                np.array([place[j] for j in corrections.characteristic[these].tolist()], dtype=np.int64),
                 corrections.probability[these],
                 corrections.expected_accuracy[these],
             ),
         )
         rows: BestRows | None = None
-        what = f"Finding what limits {len(unmet)} dimensions"
+        what = f"Finding what limits {len(not_met)} characteristics"
         for entry in self._pass(what, best_chunk, job, BestRows.arrays):
             found = BestRows.from_arrays(entry)
             rows = found if rows is None else rows.merged(found)
         assert rows is not None  # there is at least one chunk
-        return {j: (rows, place[j]) for j in unmet}
+        return {j: (rows, place[j]) for j in not_met}
 
-    def looks(self, unmet: Sequence[int]) -> LookShortlist:
-        """Of dimensions that are not met, in this order, the settings from which a mean may be worth having."""
-        job = replace(self._job, dimensions=tuple(self._job.dimensions[j] for j in unmet))
-        whole: LookShortlist | None = None
-        what = f"Looking for settings to average {len(unmet)} dimensions from"
-        for entry in self._pass(what, looks_chunk, job, LookShortlist.arrays):
-            found = LookShortlist(**entry)
+    def acquisitions(self, not_met: Sequence[int]) -> AcquisitionShortlist:
+        """Of characteristics that are not met, in this order, the viewpoints from which a mean may be worth having."""
+        job = replace(self._job, characteristics=tuple(self._job.characteristics[j] for j in not_met))
+        whole: AcquisitionShortlist | None = None
+        what = f"Looking for viewpoints to average {len(not_met)} characteristics from"
+        for entry in self._pass(what, acquisitions_chunk, job, AcquisitionShortlist.arrays):
+            found = AcquisitionShortlist(**entry)
             whole = found if whole is None else whole.merged(found)
         assert whole is not None  # there is at least one chunk
         return whole

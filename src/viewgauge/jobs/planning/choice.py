@@ -11,15 +11,17 @@ from numpy.typing import NDArray
 from ...evaluation import TableBlock
 from ...execution.chunks import DEFAULT_PRECISION, Corrections, EvaluationJob, evaluator_of, simulate_pairs
 from ...execution.progress import Progress
-from ...part import Dimension
-from ...planning import Cover, Undominated, assigned_setting, choose_settings, probability_levels
+from ...part import Characteristic
+from ...planning import Cover, Undominated, assigned_viewpoint, choose_viewpoints, probability_levels
 from ...planning.cover.travel import least_travel
 from ...planning.inspection import Inspection
 
 __all__ = ["Choice"]
 
 _MOST_AHEAD = 63
-"""Settings of a dimension that the exact camera is asked about beside the chosen one, at most, each time round."""
+"""Viewpoints of a characteristic that the full camera model is asked about beside the chosen one, at most, each time
+round.
+"""
 
 
 class Choice:
@@ -29,43 +31,44 @@ class Choice:
         self,
         inspection: Inspection,
         job: EvaluationJob,
-        dimensions: tuple[Dimension, ...],
+        characteristics: tuple[Characteristic, ...],
         kept: Undominated,
         progress: Progress,
         time_limit_s: float,
         gap: float,
     ) -> None:
-        self._inspection, self._job, self._dimensions = inspection, job, dimensions
+        self._inspection, self._job, self._characteristics = inspection, job, characteristics
         self._progress, self._time_limit_s, self._gap = progress, time_limit_s, gap
         self.kept = kept
         """The candidates to choose from, with the levels as they are known."""
         self.interrupted = False
         """Somebody stopped the search: what was found so far was chosen."""
         self.corrections = Corrections()
-        """What the exact camera said of pairs."""
+        """What the full camera model said of pairs."""
 
     def made(self) -> tuple[Cover, TableBlock]:
-        """The cover, of indices of settings, and the table of its settings with what the exact camera said."""
+        """The cover, of indices of viewpoints, and the table of its viewpoints with what the full camera model said."""
         ahead = 0
         while True:  # each time round at least one doubtful pair fewer
-            with self._progress.stage("Choosing the fewest settings"):
+            with self._progress.stage("Choosing the fewest viewpoints"):
                 cover = self._cover()
             index = np.array(cover.chosen, dtype=np.int64)
             table = self._table(index)
-            dimension, row = self._chosen_doubtful(table, index)
-            if not len(dimension):
+            characteristic, row = self._chosen_doubtful(table, index)
+            if not len(characteristic):
                 return self._travelled(cover)
             with self._progress.stage("Confirming what the small-error model does not answer for"):
-                # where one is refuted the next choice would be as doubtful: ever more of the surest are looked into
-                self._confirm(np.append(index[row], self._next_in_line(dimension, ahead)))
+                # where one is refuted the next choice would be as doubtful: ever more of the most probable are looked
+                # into
+                self._confirm(np.append(index[row], self._next_in_line(characteristic, ahead)))
             ahead = min(2 * ahead + 1, _MOST_AHEAD)
 
     def _cover(self) -> Cover:
         try:
-            return choose_settings(self.kept, 0.0 if self.interrupted else self._time_limit_s, self._gap)
+            return choose_viewpoints(self.kept, 0.0 if self.interrupted else self._time_limit_s, self._gap)
         except KeyboardInterrupt:
             self.interrupted = True
-            return choose_settings(self.kept, 0.0, self._gap)
+            return choose_viewpoints(self.kept, 0.0, self._gap)
 
     def _travelled(self, cover: Cover) -> tuple[Cover, TableBlock]:
         """Of covers as small and as sure one with a shorter tour, by pairs that are beyond doubt."""
@@ -80,61 +83,65 @@ class Choice:
         return replace(cover, chosen=found), self._table(np.array(found, dtype=np.int64))
 
     def poses(self, chosen: Sequence[int]) -> NDArray[np.float64]:
-        """``T_part_camera`` ``(K, 4, 4)`` mm of settings by index."""
+        """``T_part_camera`` ``(K, 4, 4)`` mm of viewpoints by index."""
         return np.array([self._job.source.poses(k, k + 1)[0] for k in chosen]).reshape(-1, 4, 4)
 
     def _table(self, index: NDArray[np.int64]) -> TableBlock:
-        """The table of some settings, ascending, with what the exact camera said."""
+        """The table of some viewpoints, ascending, with what the full camera model said."""
         return self.corrections.applied(evaluator_of(self._job).table(self.poses(index.tolist())), index)
 
     def _doubtful(self, table: TableBlock, index: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """``(n, d)``: accepted pairs of settings with a warning that nobody has looked into."""
+        """``(n, d)``: accepted pairs of viewpoints with a warning that nobody has looked into."""
         doubtful = (table.validity > 0) & (table.probability >= self._inspection.requirement.probability)
-        known = np.isin(self.corrections.setting, index)
-        row = np.searchsorted(index, self.corrections.setting[known])
-        doubtful[row, self.corrections.dimension[known]] = False
+        known = np.isin(self.corrections.viewpoint, index)
+        row = np.searchsorted(index, self.corrections.viewpoint[known])
+        doubtful[row, self.corrections.characteristic[known]] = False
         return np.asarray(doubtful & table.visible)
 
     def _chosen_doubtful(
         self, table: TableBlock, index: NDArray[np.int64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Dimensions whose chosen pair is doubtful, and the row of its setting."""
-        row = assigned_setting(table, self._inspection.requirement.probability)
-        dimension = np.flatnonzero(row >= 0)
-        dimension = dimension[self._doubtful(table, index)[row[dimension], dimension]]
-        return dimension, row[dimension]
+        """Characteristics whose chosen pair is doubtful, and the row of its viewpoint."""
+        row = assigned_viewpoint(table, self._inspection.requirement.probability)
+        characteristic = np.flatnonzero(row >= 0)
+        characteristic = characteristic[self._doubtful(table, index)[row[characteristic], characteristic]]
+        return characteristic, row[characteristic]
 
-    def _next_in_line(self, dimensions: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-        """Of each dimension the surest settings that are not beyond doubt and not looked into, by index."""
+    def _next_in_line(self, characteristics: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+        """Of each characteristic the most probable viewpoints that are not beyond doubt and not looked into, by
+        index.
+        """
         index, level = self.kept.index, self.kept.level
         found = [np.zeros(0, np.int64)]
-        for j in dimensions:
-            known = np.isin(index, self.corrections.setting[self.corrections.dimension == j])
+        for j in characteristics:
+            known = np.isin(index, self.corrections.viewpoint[self.corrections.characteristic == j])
             open_ = np.flatnonzero((level[:, j] > 0) & ~self.kept.certain[:, j] & ~known)
             found.append(index[open_[np.argsort(-level[open_, j].astype(int), kind="stable")[:count]]])
         return np.concatenate(found)
 
-    def _confirm(self, settings: NDArray[np.int64]) -> None:
-        """Ask the exact camera about doubtful pairs of settings, and lower the levels of what it finds less sure."""
-        index = np.unique(settings)
+    def _confirm(self, viewpoints: NDArray[np.int64]) -> None:
+        """Ask the full camera model about doubtful pairs of viewpoints, and lower the levels of what it finds less
+        sure.
+        """
+        index = np.unique(viewpoints)
         table = self._table(index)
         pairs = np.argwhere(self._doubtful(table, index))
-        row, dimension = pairs.T
+        row, characteristic = pairs.T
         poses = self.poses(index.tolist())
         estimates = simulate_pairs(table, pairs, poses, self._job, DEFAULT_PRECISION, self._inspection.seed)
         before = self.corrections
         self.corrections = Corrections(
-            np.append(before.setting, index[row]),
-            np.append(before.dimension, dimension),
+            np.append(before.viewpoint, index[row]),
+            np.append(before.characteristic, characteristic),
             np.append(before.probability, estimates.probability),
             np.append(before.expected_accuracy, estimates.expected_accuracy),
         )
         kept, level = self.kept, self.kept.level.copy()
-        at = np.searchsorted(kept.index, index[row]), dimension
+        at = np.searchsorted(kept.index, index[row]), characteristic
         found = probability_levels(
             estimates.probability, self._inspection.requirement.probability, len(self._job.source)
         )
         # lowered, never raised: what was found needless stays needless (proof in planning/cover/dominance.py)
         level[at] = np.minimum(level[at], found)
-        self.kept = Undominated(len(self._dimensions))
+        self.kept = Undominated(len(self._characteristics))
         self.kept.add(kept.index, level, kept.certain)

@@ -1,4 +1,4 @@
-"""The main job: the fewest settings that measure every dimension as required."""
+"""The main job: the fewest viewpoints that measure every characteristic as required."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from ...exceptions import InputError, NoCandidateError
 from ...execution.chunks import (
-    SETTINGS_PER_CHUNK,
+    VIEWPOINTS_PER_CHUNK,
     EvaluationJob,
-    SettingSource,
+    ViewpointSource,
     candidate_grid,
     chunks_of,
     reachable,
@@ -24,8 +24,8 @@ from ...execution.executor import Executor, InProcess
 from ...execution.fingerprint import job_fingerprint
 from ...execution.progress import Progress, Silent
 from ...formats.files.journal import ChunkJournal
-from ...part import Dimension
-from ...planning import Plan, assigned_setting, planned_not_measurable, without_allowed_error
+from ...part import Characteristic
+from ...planning import Plan, assigned_viewpoint, planned_not_measurable, without_allowed_error
 from ...planning.cover.minimum_cover import DEFAULT_TIME_LIMIT_S
 from ...planning.inspection import Inspection
 from .candidate_search import CandidateSearch
@@ -45,25 +45,25 @@ def plan(
     seed: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
-    settings_per_chunk: int = SETTINGS_PER_CHUNK,
+    viewpoints_per_chunk: int = VIEWPOINTS_PER_CHUNK,
     journal: str | PathLike[str] | None = None,
     refine: bool = True,
     prove: bool = True,
     time_limit_s: float = DEFAULT_TIME_LIMIT_S,
     gap: float = 0.0,
 ) -> Plan:
-    """The fewest sensor settings that measure every dimension as accurately and as surely as required.
+    """The fewest viewpoints that measure every characteristic as accurately and as surely as required.
 
     Candidates are evaluated in chunks, of which only what the cover needs is kept: their number is bounded by time,
     not by memory. The choice is by the joint model. Where that gives a warning for a pair that was chosen, its
-    probability is found with the exact camera, and the choice is made again with it, until all that is stated is
-    either without warning or confirmed (``PlannedDimension.warning`` keeps the name). A pair that only the exact
+    probability is found with the full camera model, and the choice is made again with it, until all that is stated is
+    either without warning or confirmed (``PlannedCharacteristic.warning`` keeps the name). A pair that only the exact
     camera would accept is not looked for.
 
-    Then the settings are refined over all poses that the region allows: fewer where that is possible, and surer
-    (:class:`~viewgauge.planning.Refiner`). Explicit settings are the only ones there are, and are not refined.
+    Then the viewpoints are refined over all poses that the region allows: fewer where that is possible, and surer
+    (:class:`~viewgauge.planning.Refiner`). Explicit viewpoints are the only ones there are, and are not refined.
 
-    Dimensions that no setting meets are averaged from several, if the inspection allows it.
+    Characteristics that no viewpoint meets are averaged from several, if the inspection allows it.
 
     Ctrl-C after the candidates are evaluated ends a step: the plan is the best so far, with its gap.
 
@@ -73,7 +73,7 @@ def plan(
         In place of the inspection's. The same seed gives the same plan, in chunks of any size, wherever they run.
     executor
         Where chunks run (:func:`~viewgauge.jobs.open_executor`); by default in this process.
-    settings_per_chunk
+    viewpoints_per_chunk
         Bounds the memory of a process.
     journal
         A folder in which the chunks that are done are noted, so that the same job, if it is stopped, goes on where
@@ -81,42 +81,45 @@ def plan(
     refine
         False for the best of the candidates as they are.
     prove
-        False to leave out what is proven over all poses of the region: the least number of settings
-        (``Plan.anywhere``), and how sure a dimension that is not met can be at most (``PlannedDimension.certificate``).
+        False to leave out what is proven over all poses of the region: the least number of viewpoints
+        (``Plan.anywhere``), and how sure a characteristic that is not met can be at most
+        (``PlannedCharacteristic.certificate``).
     time_limit_s
-        Of the search for the fewest settings, of that for the surest, and of the refinement, each; the best so far
-        counts. Only a search that is cut off may differ from run to run.
+        Of the search for the fewest viewpoints, of that for the most probable, and of the refinement, each; the best so
+        far counts. Only a search that is cut off may differ from run to run.
     gap
         The search for the fewest ends when the lower bound is within this share of their number.
 
     Raises
     ------
     InputError
-        If the seed or the time limit is negative, the gap is not a share, or a chunk has no setting.
+        If the seed or the time limit is negative, the gap is not a share, or a chunk has no viewpoint.
     NoCandidateError
-        If there is no candidate setting to choose from.
+        If there is no candidate viewpoint to choose from.
     """
     progress, executor = progress or Silent(), executor or InProcess()
     if seed is not None:
         if seed < 0:
             raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
         inspection = replace(inspection, seed=seed)
-    require_chunk_size(settings_per_chunk)
+    require_chunk_size(viewpoints_per_chunk)
     _require_limits(time_limit_s, gap)
-    dimensions, refused = without_allowed_error(inspection.part.dimensions, inspection.requirement)
-    unusable = (*inspection.part.unusable, *refused)
-    if not dimensions:
-        return Plan(inspection.seed, (), tuple(planned_not_measurable(unusable)), lower_bound=0, candidate_count=0)
+    characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    not_measurable = (*inspection.part.not_measurable, *refused)
+    if not characteristics:
+        return Plan(
+            inspection.seed, (), tuple(planned_not_measurable(not_measurable)), lower_bound=0, candidate_count=0
+        )
     threads = None if isinstance(executor, InProcess) else 1
-    job = EvaluationJob.of(inspection, dimensions, _candidates(inspection, dimensions), threads=threads)
-    chunks = chunks_of(job.source, settings_per_chunk)
-    with _opened(journal if len(chunks) >= _WORTH_A_JOURNAL else None, inspection, job, settings_per_chunk) as notes:
+    job = EvaluationJob.of(inspection, characteristics, _candidates(inspection, characteristics), threads=threads)
+    chunks = chunks_of(job.source, viewpoints_per_chunk)
+    with _opened(journal if len(chunks) >= _WORTH_A_JOURNAL else None, inspection, job, viewpoints_per_chunk) as notes:
         search = CandidateSearch(job, chunks, executor, notes, progress)
-        choice = Choice(inspection, job, dimensions, search.kept(), progress, time_limit_s, gap)
+        choice = Choice(inspection, job, characteristics, search.kept(), progress, time_limit_s, gap)
         cover, table = choice.made()
-        unmet = np.flatnonzero(assigned_setting(table, inspection.requirement.probability) < 0).tolist()
-        best = search.best(unmet, choice.corrections)
-        shortlist = search.looks(unmet) if inspection.looks > 1 and unmet else None
+        not_met = np.flatnonzero(assigned_viewpoint(table, inspection.requirement.probability) < 0).tolist()
+        best = search.best(not_met, choice.corrections)
+        shortlist = search.acquisitions(not_met) if inspection.averaged_viewpoints > 1 and not_met else None
         arrangement = Arrangement(choice.poses(cover.chosen), table, best, cover.lower_bound)
         after = AfterChoice(inspection, job, choice, cover.chosen, arrangement, progress)
         if prove:
@@ -124,12 +127,12 @@ def plan(
         if refine:
             after.refine(time_limit_s)
         if shortlist is not None:
-            after.average(unmet, shortlist)
+            after.average(not_met, shortlist)
         if prove:
             after.certify()
         if notes:
             notes.discard()
-    return after.plan(unusable)
+    return after.plan(not_measurable)
 
 
 def _require_limits(time_limit_s: float, gap: float) -> None:
@@ -139,21 +142,21 @@ def _require_limits(time_limit_s: float, gap: float) -> None:
         raise InputError("not a gap", key="gap", got=gap, expected="a share from 0 on and below 1, such as 0.1")
 
 
-def _candidates(inspection: Inspection, dimensions: tuple[Dimension, ...]) -> SettingSource:
-    if inspection.settings is None:
-        return candidate_grid(inspection, dimensions)
-    if not inspection.settings.ids:
-        raise NoCandidateError("no candidate setting is left: the settings file holds none")
-    return reachable(inspection, dimensions)
+def _candidates(inspection: Inspection, characteristics: tuple[Characteristic, ...]) -> ViewpointSource:
+    if inspection.viewpoints is None:
+        return candidate_grid(inspection, characteristics)
+    if not inspection.viewpoints.ids:
+        raise NoCandidateError("no candidate viewpoint is left: the viewpoints file holds none")
+    return reachable(inspection, characteristics)
 
 
 @contextmanager
 def _opened(
-    folder: str | PathLike[str] | None, inspection: Inspection, job: EvaluationJob, settings_per_chunk: int
+    folder: str | PathLike[str] | None, inspection: Inspection, job: EvaluationJob, viewpoints_per_chunk: int
 ) -> Iterator[ChunkJournal | None]:
     if folder is None:
         yield None
         return
-    fingerprint = job_fingerprint(inspection, job, settings_per_chunk)
+    fingerprint = job_fingerprint(inspection, job, viewpoints_per_chunk)
     with ChunkJournal(folder, fingerprint, target=Path(folder).parent) as notes:
         yield notes

@@ -1,4 +1,6 @@
-"""What comes after the choice among the candidates: better settings, several looks, proofs, and the plan of them."""
+"""What comes after the choice among the candidates: better viewpoints, several viewpoints, proofs, and the plan of
+them.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,11 @@ from numpy.typing import NDArray
 
 from ...execution.chunks import EvaluationJob
 from ...execution.progress import Progress
-from ...part import Unusable
+from ...part import NotMeasurable
 from ...planning import Averaged, CandidateGrid, Plan, compose_plan
-from ...planning.averaging.shortlist import LookShortlist
-from ...planning.bounds import Certificate, SettingsBound
-from ...planning.inspection import ExplicitSettings, Inspection
+from ...planning.averaging.shortlist import AcquisitionShortlist
+from ...planning.bounds import Certificate, ViewpointsBound
+from ...planning.inspection import ExplicitViewpoints, Inspection
 from .averaged_plan import averaged
 from .choice import Choice
 from .prove import certificates, least_anywhere
@@ -32,7 +34,7 @@ class AfterChoice:
     Parameters
     ----------
     chosen
-        Of the job's source, by index: the settings of the arrangement.
+        Of the job's source, by index: the viewpoints of the arrangement.
     """
 
     def __init__(
@@ -47,12 +49,12 @@ class AfterChoice:
         self._inspection, self._job, self._choice, self._progress = inspection, job, choice, progress
         self._chosen, self._arrangement = list(chosen), arrangement
         self._interrupted = choice.interrupted
-        self._anywhere: SettingsBound | None = None
+        self._anywhere: ViewpointsBound | None = None
         self._averaged: dict[int, Averaged] = {}
         self._certificates: dict[int, Certificate] = {}
 
     def refine(self, time_limit_s: float) -> None:
-        """Fewer settings, and surer ones, over all poses of the region; explicit settings stay as they are."""
+        """Fewer viewpoints, and surer ones, over all poses of the region; explicit viewpoints stay as they are."""
         if isinstance(self._job.source, CandidateGrid):
             least = 1 if self._anywhere is None else self._anywhere.count
             step = partial(
@@ -64,44 +66,49 @@ class AfterChoice:
                 time_limit_s=time_limit_s,
                 least=least,
             )
-            before, self._arrangement = self._arrangement, self._ended("Refining the settings", step, self._arrangement)
+            before, self._arrangement = (
+                self._arrangement,
+                self._ended("Refining the viewpoints", step, self._arrangement),
+            )
             if self._anywhere is not None and len(self._arrangement.best) < len(before.best):
                 self.bound()  # more is measured now
 
     def bound(self) -> None:
-        """How few settings would do anywhere in the region."""
+        """How few viewpoints would do anywhere in the region."""
         if isinstance(self._job.source, CandidateGrid):
             step = partial(least_anywhere, self._job, self._choice, self._arrangement)
-            self._anywhere = self._ended("Bounding the number of settings over all poses", step, self._anywhere)
+            self._anywhere = self._ended("Bounding the number of viewpoints over all poses", step, self._anywhere)
 
-    def average(self, unmet: Sequence[int], shortlist: LookShortlist) -> None:
-        """Settings to average from, for what no candidate meets; ``unmet`` are those of the shortlist, in its order."""
+    def average(self, not_met: Sequence[int], shortlist: AcquisitionShortlist) -> None:
+        """Viewpoints to average from, for what no candidate meets; ``not_met`` are those of the shortlist, in its
+        order.
+        """
         none: tuple[Arrangement, dict[int, Averaged], NDArray[np.int64]]
         none = self._arrangement, {}, np.zeros(0, dtype=np.int64)
-        most, seed = self._inspection.looks, self._inspection.seed
-        step = partial(averaged, self._job, self._arrangement, unmet, shortlist, most, seed)
-        self._arrangement, self._averaged, added = self._ended("Averaging several looks", step, none)
+        most, seed = self._inspection.averaged_viewpoints, self._inspection.seed
+        step = partial(averaged, self._job, self._arrangement, not_met, shortlist, most, seed)
+        self._arrangement, self._averaged, added = self._ended("Averaging several viewpoints", step, none)
         self._chosen += added.tolist()
 
     def certify(self) -> None:
-        """What is proven of each dimension that is not met."""
-        unmet = [j for j in self._arrangement.best if j not in self._averaged]
-        if isinstance(self._job.source, CandidateGrid) and unmet:
-            step = partial(certificates, self._job, unmet)
-            self._certificates = self._ended(f"Bounding {len(unmet)} dimensions over all poses", step, {})
+        """What is proven of each characteristic that is not met."""
+        not_met = [j for j in self._arrangement.best if j not in self._averaged]
+        if isinstance(self._job.source, CandidateGrid) and not_met:
+            step = partial(certificates, self._job, not_met)
+            self._certificates = self._ended(f"Bounding {len(not_met)} characteristics over all poses", step, {})
 
-    def plan(self, unusable: Sequence[Unusable]) -> Plan:
+    def plan(self, not_measurable: Sequence[NotMeasurable]) -> Plan:
         """The plan; with what cannot be measured, for the record."""
         source, arrangement = self._job.source, self._arrangement
-        explicit = isinstance(source, ExplicitSettings)
+        explicit = isinstance(source, ExplicitViewpoints)
         names = [f"S{n}" for n in range(1, len(arrangement.T_part_camera) + 1)]
         return compose_plan(
             arrangement.table,
             arrangement.T_part_camera,
-            [source.ids[k] for k in self._chosen] if isinstance(source, ExplicitSettings) else names,
+            [source.ids[k] for k in self._chosen] if isinstance(source, ExplicitViewpoints) else names,
             arrangement.best,
-            self._job.dimensions,
-            unusable,
+            self._job.characteristics,
+            not_measurable,
             self._inspection.requirement,
             lower_bound=arrangement.lower_bound,
             candidate_count=len(source),
@@ -116,12 +123,12 @@ class AfterChoice:
         )
 
     def _poses_of_best(self) -> dict[int, NDArray[np.float64]]:
-        """Of what is not met the pose from which it is surest, where it is seen at all."""
+        """Of what is not met the pose from which it is most probable, where it is seen at all."""
         found = {}
         for j, (rows, at) in self._arrangement.best.items():
             if rows.values.visible[at]:
                 own = self._arrangement.found
-                found[j] = own[j] if j in own else self._choice.poses([int(rows.setting[at])])[0]
+                found[j] = own[j] if j in own else self._choice.poses([int(rows.viewpoint[at])])[0]
         return found
 
     def _ended(self, what: str, step: Callable[[], _Result], otherwise: _Result) -> _Result:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...evaluation import BestRows, TableBlock
 from ...execution.chunks import EvaluationJob, evaluator_of
-from ...planning import CandidateGrid, Refinement, Refiner, SettingPool, assigned_setting
+from ...planning import CandidateGrid, Refinement, Refiner, ViewpointPool, assigned_viewpoint
 from .choice import Choice
 
 __all__ = ["Arrangement", "refined"]
@@ -20,18 +20,18 @@ _Best = dict[int, tuple[BestRows, int]]
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Chosen settings, and what is known of each dimension.
+    """Chosen viewpoints, and what is known of each characteristic.
 
     Parameters
     ----------
     T_part_camera, table
-        ``(K, 4, 4)`` mm, and the table ``(K, d)`` of these settings.
+        ``(K, 4, 4)`` mm, and the table ``(K, d)`` of these viewpoints.
     best
-        For each dimension that is not met the best rows of all settings tried, and its place in them.
+        For each characteristic that is not met the best rows of all viewpoints tried, and its place in them.
     lower_bound
-        Of the number of settings, among all settings known.
+        Of the number of viewpoints, among all viewpoints known.
     found
-        For dimensions whose best row is no candidate's the pose ``(4, 4)`` mm that it belongs to.
+        For characteristics whose best row is no candidate's the pose ``(4, 4)`` mm that it belongs to.
     """
 
     T_part_camera: NDArray[np.float64]
@@ -50,18 +50,18 @@ def refined(
     Parameters
     ----------
     least
-        Number of settings that is known to be needed anywhere in the region.
+        Number of viewpoints that is known to be needed anywhere in the region.
     """
     assert isinstance(job.source, CandidateGrid)  # the caller's condition
-    evaluator, required = evaluator_of(job), job.requirement.probability
+    evaluator, required = evaluator_of(job), job.setup.requirement.probability
     table, poses = arrangement.table, arrangement.T_part_camera
-    chosen = SettingPool(poses, np.where(table.visible, table.probability, 0.0))
+    chosen = ViewpointPool(poses, np.where(table.visible, table.probability, 0.0))
     refiner = Refiner(
         evaluator,
         job.source.region,
         required,
         _known(job, choice, arrangement.best).joined(chosen),
-        np.array([np.mean([(g.start + g.end) / 2 for g in d.gauges], axis=0) for d in job.dimensions]),
+        np.array([np.mean([(g.start + g.end) / 2 for g in d.measurands], axis=0) for d in job.characteristics]),
         seed=seed,
         deadline=time.monotonic() + time_limit_s,
         least=least,
@@ -70,13 +70,13 @@ def refined(
     if better is not chosen:
         poses = better.T_part_camera
         table = replace(evaluator.table(poses), probability=better.probability)
-    met = assigned_setting(table, required) >= 0
+    met = assigned_viewpoint(table, required) >= 0
     best = _best_of(job, arrangement.best, refiner.nearest, met)
-    found = {j: refiner.nearest[j] for j, (rows, at) in best.items() if rows.setting[at] >= len(job.source)}
+    found = {j: refiner.nearest[j] for j, (rows, at) in best.items() if rows.viewpoint[at] >= len(job.source)}
     return Arrangement(poses, table, best, bound, refinement, found)
 
 
-def _known(job: EvaluationJob, choice: Choice, best: _Best) -> SettingPool:
+def _known(job: EvaluationJob, choice: Choice, best: _Best) -> ViewpointPool:
     """What a cover may need of the candidates, and the best of what none measures; nothing counts on doubtful pairs."""
     evaluator, kept = evaluator_of(job), choice.kept
     index = kept.index
@@ -84,19 +84,19 @@ def _known(job: EvaluationJob, choice: Choice, best: _Best) -> SettingPool:
     probability = evaluator.probabilities(poses)
     probability[(kept.level > 0) & ~kept.certain] = 0.0
     corrections = choice.corrections
-    here = np.flatnonzero(np.isin(corrections.setting, index))
-    row = np.searchsorted(index, corrections.setting[here])
-    probability[row, corrections.dimension[here]] = corrections.probability[here]
-    unmet = sorted({int(rows.setting[place]) for rows, place in best.values()})
-    others = choice.poses(unmet)
-    return SettingPool(poses, probability).joined(SettingPool(others, evaluator.probabilities(others)))
+    here = np.flatnonzero(np.isin(corrections.viewpoint, index))
+    row = np.searchsorted(index, corrections.viewpoint[here])
+    probability[row, corrections.characteristic[here]] = corrections.probability[here]
+    not_met = sorted({int(rows.viewpoint[place]) for rows, place in best.values()})
+    others = choice.poses(not_met)
+    return ViewpointPool(poses, probability).joined(ViewpointPool(others, evaluator.probabilities(others)))
 
 
 def _best_of(job: EvaluationJob, best: _Best, nearest: dict[int, NDArray[np.float64]], met: NDArray[np.bool_]) -> _Best:
-    """Of dimensions that are still not met the best, with what was found when they were searched for apart."""
-    unmet = [j for j in best if not met[j]]
-    found = [j for j in unmet if j in nearest]
-    result = {j: best[j] for j in unmet}
+    """Of characteristics that are still not met the best, with what was found when they were searched for apart."""
+    not_met = [j for j in best if not met[j]]
+    found = [j for j in not_met if j in nearest]
+    result = {j: best[j] for j in not_met}
     if found:
         evaluator = evaluator_of(job).of(found)
         table = evaluator.table(np.array([nearest[j] for j in found]))

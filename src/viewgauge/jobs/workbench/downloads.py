@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formats.poses.viewpoints_file import write_settings
+from ...formats.poses.viewpoints_file import write_viewpoints
 from ...planning import Plan
 from ...planning.inspection import Inspection
 from ..write import write_plan
 
-__all__ = ["plan_archive", "settings_text"]
+__all__ = ["plan_archive", "viewpoints_text"]
 
 
 def plan_archive(plan: Plan, inspection: Inspection) -> bytes:
@@ -30,9 +30,9 @@ def plan_archive(plan: Plan, inspection: Inspection) -> bytes:
     return content.getvalue()
 
 
-def settings_text(settings: Mapping[str, NDArray[np.float64]]) -> str:
-    """A settings file (CSV) of poses ``T_part_camera`` ``(4, 4)`` mm by name."""
+def viewpoints_text(viewpoints: Mapping[str, NDArray[np.float64]]) -> str:
+    """A viewpoints file (CSV) of poses ``T_part_camera`` ``(4, 4)`` mm by name."""
     with tempfile.TemporaryDirectory(prefix="viewgauge-") as folder:
-        path = Path(folder) / "settings.csv"
-        write_settings(path, list(settings), np.array(list(settings.values())).reshape(-1, 4, 4))
+        path = Path(folder) / "viewpoints.csv"
+        write_viewpoints(path, list(viewpoints), np.array(list(viewpoints.values())).reshape(-1, 4, 4))
         return path.read_text(encoding="utf-8")

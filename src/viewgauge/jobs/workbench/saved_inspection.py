@@ -11,52 +11,52 @@ from ...formats.inspection.edited_file import edited_inspection
 from ...planning.improve.knob_values import KnobValues, with_pixel_pitch
 from ...planning.inspection import Inspection
 
-__all__ = ["turned_inspection_text"]
+__all__ = ["changed_inspection_text"]
 
 
-def turned_inspection_text(text: str, inspection: Inspection, knobs: KnobValues) -> tuple[str, tuple[str, ...]]:
+def changed_inspection_text(text: str, inspection: Inspection, knobs: KnobValues) -> tuple[str, tuple[str, ...]]:
     """The inspection file's text with the knobs' values, and the names of those that it has no place for.
 
     No place has what another file states: the camera of a calibration, the head of a covariance. Nor has the
-    distance, which is the settings'.
+    distance, which is the viewpoints'.
 
     Parameters
     ----------
     text
         Of the file that the inspection was read from.
     """
-    today = KnobValues.of(inspection.camera, inspection.head, inspection.requirement)
+    today = KnobValues.of(inspection.setup)
     changes: dict[tuple[str, ...], Any] = {}
-    homeless: list[str] = []
-    calibrated, covariance = _states(text, "camera", "calibration"), _states(text, "head", "covariance")
+    unsaved: list[str] = []
+    calibrated, covariance = _states(text, "camera", "calibration"), _states(text, "pose_uncertainty", "covariance")
     if not math.isclose(knobs.pixel_pitch_mm, today.pixel_pitch_mm):
         if calibrated or inspection.camera.intrinsics_covariance is not None:
-            homeless.append("pixel pitch")
+            unsaved.append("pixel pitch")
         else:
             _put_pixel_pitch(changes, inspection, knobs.pixel_pitch_mm / today.pixel_pitch_mm)
     if not math.isclose(knobs.focal_length_mm, today.focal_length_mm):
         if calibrated:
-            homeless.append("focal length")
+            unsaved.append("focal length")
         else:
             changes["camera", "focal_length"] = f"{_digits(knobs.focal_length_mm)} mm"
     if not math.isclose(knobs.edge_px, today.edge_px):
-        if inspection.camera.locator is None:
-            changes["camera", "edge_resolution"] = f"{_digits(knobs.edge_px)} px"
+        if inspection.camera.edge_detector is None:
+            changes["camera", "edge_detector", "quantization"] = f"{_digits(knobs.edge_px)} px"
         else:
-            homeless.append("edge location")
+            unsaved.append("edge location")
     for name, was, now, first, unit, scale in (
         ("translation", today.translation_mm, knobs.translation_mm, 0, "mm", 1.0),
         ("rotation", today.rotation_rad, knobs.rotation_rad, 3, "deg", 180 / math.pi),
     ):
         if math.isclose(was, now):
             continue
-        if covariance or _states(text, "head", "common"):
-            homeless.append(name)
+        if covariance or _states(text, "pose_uncertainty", "common"):
+            unsaved.append(name)
         else:
-            deviations = np.sqrt(inspection.head.covariance.diagonal()[first : first + 3]) * scale * now / was
+            deviations = np.sqrt(inspection.pose_error.covariance.diagonal()[first : first + 3]) * scale * now / was
             listed = ", ".join(_digits(value) for value in deviations)
             alike = np.ptp(deviations) <= 1e-12 * deviations.max()
-            changes["head", name] = f"{_digits(deviations[0])} {unit}" if alike else f"[{listed}] {unit}"
+            changes["pose_uncertainty", name] = f"{_digits(deviations[0])} {unit}" if alike else f"[{listed}] {unit}"
     if knobs.required is not None:
         if today.required is not None and not math.isclose(knobs.required, today.required):
             unit = " mm" if inspection.requirement.kind == "error" else ""
@@ -65,8 +65,8 @@ def turned_inspection_text(text: str, inspection: Inspection, knobs: KnobValues)
         if not math.isclose(knobs.probability, today.probability):
             changes["requirement", "probability"] = float(_digits(knobs.probability))
     if knobs.distance != 1:
-        homeless.append("distance")
-    return (edited_inspection(text, changes) if changes else text), tuple(homeless)
+        unsaved.append("distance")
+    return (edited_inspection(text, changes) if changes else text), tuple(unsaved)
 
 
 def _put_pixel_pitch(changes: dict[tuple[str, ...], Any], inspection: Inspection, factor: float) -> None:

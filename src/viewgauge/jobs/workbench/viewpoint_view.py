@@ -1,4 +1,4 @@
-"""What the camera sees from settings, small enough to be shown."""
+"""What the camera sees from viewpoints, small enough to be shown."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from numpy.typing import NDArray
 from ...evaluation import TableBlock
 from ...formats.files.images import encoded_png
 from ...geometry import invert, transform
-from ...part import Dimension, Mesh
+from ...part import Characteristic, Mesh
 from ...planning.improve.knob_values import with_pixel_pitch
-from ...report import SeenDimension, SettingView
+from ...report import SeenCharacteristic, ViewpointView
 from ...sensors import Camera
 from ...simulation.renderer import Renderer
 from ...visibility import REASONS
 
-__all__ = ["SettingViews"]
+__all__ = ["ViewpointViews"]
 
 _WIDTH_PX = 480
 _RAYS = 8
 
 
-class SettingViews:
-    """Makes the views of settings; the part is made ready once.
+class ViewpointViews:
+    """Makes the views of viewpoints; the part is made ready once.
 
     Parameters
     ----------
@@ -40,41 +40,41 @@ class SettingViews:
         name: str,
         T_part_camera: NDArray[np.float64],
         camera: Camera,
-        dimensions: tuple[Dimension, ...],
+        characteristics: tuple[Characteristic, ...],
         table: TableBlock,
         row: int = 0,
         planned: Mapping[str, Collection[str | None]] | None = None,
-    ) -> SettingView:
-        """The view of one setting.
+    ) -> ViewpointView:
+        """The view of one viewpoint.
 
         Parameters
         ----------
         table, row
-            The table of these dimensions, and the setting's row in it.
+            The table of these characteristics, and the viewpoint's row in it.
         planned
-            The settings that each dimension is measured from, by id.
+            The viewpoints that each characteristic is measured from, by id.
         """
         seen = []
         part_to_camera = invert(T_part_camera)
-        for j, dimension in enumerate(dimensions):
+        for j, characteristic in enumerate(characteristics):
             visible, ends = bool(table.visible[row, j]), None
             if visible:
-                gauge = dimension.gauges[int(table.gauge[row, j])]
-                points = transform(part_to_camera, np.stack([gauge.start, gauge.end]))
+                measurand = characteristic.measurands[int(table.measurand[row, j])]
+                points = transform(part_to_camera, np.stack([measurand.start, measurand.end]))
                 ends = camera.to_pixels(camera.project(points))
             seen.append(
-                SeenDimension(
-                    dimension.id,
+                SeenCharacteristic(
+                    characteristic.id,
                     REASONS[int(table.reason[row, j])],
                     ends,
                     float(table.probability[row, j]) if visible else 0.0,
-                    name in (planned or {}).get(dimension.id, ()),
+                    name in (planned or {}).get(characteristic.id, ()),
                 )
             )
         small = smaller_camera(camera, _WIDTH_PX)
         light = self._renderer.radiance(T_part_camera, small)
         grey = np.clip(np.rint(255 * light ** (1 / 1.6)), 0, 255).astype(np.uint8)
-        return SettingView(name, encoded_png(grey), camera.resolution, tuple(seen))
+        return ViewpointView(name, encoded_png(grey), camera.resolution, tuple(seen))
 
 
 def smaller_camera(camera: Camera, width_px: int) -> Camera:

@@ -1,4 +1,4 @@
-"""What is looked for at the ends of a gauge: the edges in which the faces there meet."""
+"""What is looked for at the ends of a measurand: the edges in which the faces there meet."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...geometry import transform
 from ...sensors import Camera
 
-__all__ = ["CLEAR_OF_CORNER_PX", "HALF_PX", "Direction", "ExpectedGauge", "image_directions"]
+__all__ = ["CLEAR_OF_CORNER_PX", "HALF_PX", "Direction", "ExpectedMeasurand", "image_directions"]
 
 HALF_PX, CLEAR_OF_CORNER_PX = 9.0, 5.0
 """Of an edge that is fitted: half its length, and how far from a corner it begins."""
@@ -23,8 +23,8 @@ _ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or anoth
 
 
 @dataclass(frozen=True)
-class ExpectedGauge:
-    """A gauge, part frame.
+class ExpectedMeasurand:
+    """A measurand, part frame.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from ...geometry import PoseError, invert, point_jacobian, transform
 from ...sensors import Camera
 from .edges import EdgeFinder
-from .expected_edges import ExpectedGauge, image_directions
+from .expected_edges import ExpectedMeasurand, image_directions
 
 __all__ = ["AGREE_PX", "FURTHER_PX", "Guide", "find_guide", "reach_px"]
 
@@ -43,25 +43,25 @@ class Guide:
 
 def find_guide(
     finder: EdgeFinder,
-    gauges: Sequence[ExpectedGauge],
+    measurands: Sequence[ExpectedMeasurand],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     error: PoseError,
 ) -> Guide | None:
-    """From about where an image was taken, by all edges at the ends of gauges; None where they do not agree.
+    """From about where an image was taken, by all edges at the ends of measurands; None where they do not agree.
 
     The pose error of the greatest posterior density for the head's normal law and edges that are off by their noise or
     are others altogether (Cauchy). Of a part that shows too few edges to tell whether they agree, the pose by those
     that are found, looked for once more from there.
     """
-    if not gauges:
+    if not measurands:
         return None
-    points = [transform(invert(T_part_camera), point) for gauge in gauges for point in gauge.points]
+    points = [transform(invert(T_part_camera), point) for measurand in measurands for point in measurand.points]
     reaches = [reach_px(point, camera, error.camera_covariance) for point in points]
-    found = _edges_near(finder, gauges, T_part_camera, camera, error, reaches)
+    found = _edges_near(finder, measurands, T_part_camera, camera, error, reaches)
     looked_for = sum(
         len(image_directions(point, T_part_camera[:3, :3].T, normals, camera))
-        for point, normals in zip(points, [n for gauge in gauges for n in gauge.normals], strict=True)
+        for point, normals in zip(points, [n for measurand in measurands for n in measurand.normals], strict=True)
     )
     to_camera = error.adjoint @ error.factor
     if looked_for >= 2 * _FEWEST_EDGES:
@@ -77,7 +77,7 @@ def find_guide(
         twist, posterior = _pose_of(found, error)
         spread = to_camera @ posterior @ to_camera.T
         nearer = [reach_px(point, camera, spread) for point in points]
-        again = _edges_near(finder, gauges, _moved(T_part_camera, twist, error), camera, error, nearer)
+        again = _edges_near(finder, measurands, _moved(T_part_camera, twist, error), camera, error, nearer)
         twist, posterior = _pose_of(replace(again, offset=again.offset + again.rows @ twist), error)
         spread = to_camera @ posterior @ to_camera.T
         reach = max(reach_px(point, camera, spread) for point in points)
@@ -95,23 +95,23 @@ class _Found:
 
 def _edges_near(
     finder: EdgeFinder,
-    gauges: Sequence[ExpectedGauge],
+    measurands: Sequence[ExpectedMeasurand],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     error: PoseError,
     reaches: Sequence[float],
 ) -> _Found:
-    """Edges at the ends of gauges, looked for within the reach of each end of where a pose has them."""
+    """Edges at the ends of measurands, looked for within the reach of each end of where a pose has them."""
     T_camera_part = invert(T_part_camera)
     offsets, variances, rows = [], [], []
-    ends = [(gauge, k) for gauge in gauges for k in range(2)]
-    for (gauge, k), reach in zip(ends, reaches, strict=True):
-        point = transform(T_camera_part, gauge.points[k])
+    ends = [(measurand, k) for measurand in measurands for k in range(2)]
+    for (measurand, k), reach in zip(ends, reaches, strict=True):
+        point = transform(T_camera_part, measurand.points[k])
         place = camera.to_pixels(camera.project(point))
         J = _point_jacobian_px(point, camera) @ error.adjoint
-        for along in gauge.directions(k, T_camera_part, camera):
+        for along in measurand.directions(k, T_camera_part, camera):
             for span in along.spans:
-                edge = finder.edge(place, along.unit, span, reach, gauge.bent)
+                edge = finder.edge(place, along.unit, span, reach, measurand.bent)
                 if edge is not None:
                     middle = (span[0] + span[-1]) / 2
                     a, b, c = edge.coefficients
@@ -124,7 +124,7 @@ def _edges_near(
 
 
 def _pose_of(found: _Found, error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The pose error ``(6,)``, head frame, and its covariance ``(6, 6)`` in units of the head's factor."""
+    """The pose error ``(6,)``, pose error frame, and its covariance ``(6, 6)`` in units of the head's factor."""
     A, y, variance, factor = found.rows, found.offset, found.variance, error.factor
     scaled, twist = A @ factor, np.zeros(6)
     posterior: NDArray[np.float64] = np.eye(6, dtype=np.float64)
@@ -139,8 +139,8 @@ def _moved(T_part_camera: NDArray[np.float64], twist: NDArray[np.float64], error
     """``T_part_camera`` of a camera whose head has a pose error."""
     displacement = np.eye(4)
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
-    assert error.T_camera_head is not None  # set by PoseError
-    seen = error.T_camera_head @ displacement @ invert(error.T_camera_head) @ invert(T_part_camera)
+    assert error.T_camera_frame is not None  # set by PoseError
+    seen = error.T_camera_frame @ displacement @ invert(error.T_camera_frame) @ invert(T_part_camera)
     return np.asarray(invert(seen))
 
 

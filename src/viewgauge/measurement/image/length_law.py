@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...errors import TotalError
 from ...evaluation.segment import image_segment
 from ...geometry import PoseError, invert, transform
-from ...sensors import Camera, EdgeLocator
+from ...sensors import Camera, EdgeDetector
 
 __all__ = ["length_law"]
 
@@ -19,7 +19,7 @@ def length_law(
     points: NDArray[np.float64],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
-    head: PoseError,
+    pose_error: PoseError,
     deviation_mm: float,
     *,
     whole_pixels: bool,
@@ -27,22 +27,22 @@ def length_law(
     """Of the measured less the nominal image length, mm on the ideal image, at first order.
 
     The head's error, the camera's calibration and offset as the inspection states them, and the location of the ends
-    as the image itself tells it, in place of what a locator or quantization step of the inspection says.
+    as the image itself tells it, in place of what an edge detector or quantization step of the inspection says.
 
     Parameters
     ----------
     points
-        ``(2, 3)`` mm, part frame: of the gauge.
+        ``(2, 3)`` mm, part frame: of the measurand.
     T_part_camera
-        ``(4, 4)`` mm: of the planned setting.
+        ``(4, 4)`` mm: of the planned viewpoint.
     deviation_mm
-        Standard deviation of the length by the image's noise (:class:`~viewgauge.measurement.GaugeImage`).
+        Standard deviation of the length by the image's noise (:class:`~viewgauge.measurement.MeasurandImage`).
     whole_pixels
         The ends were put to the corners of pixels.
     """
-    offset = None if camera.locator is None or whole_pixels else EdgeLocator(0.0, camera.locator.bias_px)
-    locating = replace(camera, locator=offset, edge_resolution_px=1.0 if whole_pixels else 0.0)
+    offset = None if camera.edge_detector is None or whole_pixels else EdgeDetector(0.0, camera.edge_detector.bias_px)
+    locating = replace(camera, edge_detector=offset, edge_resolution_px=1.0 if whole_pixels else 0.0)
     start, end = transform(invert(T_part_camera), points)
-    image = image_segment(start, end, locating, head)
+    image = image_segment(start, end, locating, pose_error)
     sigma = np.hypot(np.hypot(image.sigma_displacement_mm, image.sigma_camera_mm), deviation_mm)
     return TotalError.of_half_widths(sigma, image.camera.half_widths_mm)

@@ -26,7 +26,7 @@ class Rim:
     Parameters
     ----------
     ends
-        ``(2, 2)`` mm: of its chord through its centre in the gauge's direction.
+        ``(2, 2)`` mm: of its chord through its centre in the measurand's direction.
     variance_mm2
         Of the chord's length, by the image's noise and :data:`~viewgauge.measurement.image.edges.BIAS_PX`.
     width_px

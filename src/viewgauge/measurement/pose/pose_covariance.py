@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...exceptions import InputError
 from .pose_samples import PoseSamples
 
-__all__ = ["CONFIDENCE", "HeadCharacter", "characterize_head", "small_sample_factor"]
+__all__ = ["CONFIDENCE", "PoseErrorEstimate", "estimate_pose_error", "small_sample_factor"]
 
 CONFIDENCE = 0.95
 """Of the intervals."""
@@ -23,8 +23,8 @@ _OUTLIERS = 0.01  # probability that any of the samples of a normal law is named
 
 
 @dataclass(frozen=True)
-class HeadCharacter:
-    """The law of a head's pose error, as samples say it is; mm and rad, translation first, head frame.
+class PoseErrorEstimate:
+    """The law of a pose error, as samples say it is; mm and rad, translation first, pose error frame.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class HeadCharacter:
         return np.asarray(self.covariance + np.outer(self.mean, self.mean))
 
 
-def characterize_head(samples: PoseSamples, groups: int = 0) -> HeadCharacter:
+def estimate_pose_error(samples: PoseSamples, groups: int = 0) -> PoseErrorEstimate:
     """Covariance, mean and what can be said of them.
 
     Parameters
@@ -105,7 +105,7 @@ def characterize_head(samples: PoseSamples, groups: int = 0) -> HeadCharacter:
     bounds = np.sqrt(freedom / chi2.ppf([1 - tail, tail], freedom))
     half = 0.0 if samples.repeated else t.ppf(1 - tail, freedom) / np.sqrt(n) * deviation
     skewness, kurtosis = _mardia(about)
-    return HeadCharacter(
+    return PoseErrorEstimate(
         covariance=covariance,
         mean=mean,
         degrees_of_freedom=freedom,

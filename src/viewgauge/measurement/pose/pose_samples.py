@@ -23,8 +23,8 @@ class PoseSamples:
     Parameters
     ----------
     errors
-        ``(n, 6)`` [x, y, z, rx, ry, rz], mm and rad, translation first, head frame, perturbation on the left: as in
-        :class:`~viewgauge.geometry.PoseError`.
+        ``(n, 6)`` [x, y, z, rx, ry, rz], mm and rad, translation first, pose error frame, perturbation on the left: as
+        in :class:`~viewgauge.geometry.PoseError`.
     names
         Of the samples, for messages.
     parameters
@@ -44,7 +44,7 @@ class PoseSamples:
 
 
 def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(n, 6)``: the error with which the head reached each pose, head frame.
+    """``(n, 6)``: the error with which the head reached each pose, pose error frame.
 
     A point of the scene, seen from the head, is displaced by ``Trans(d) Rot_x Rot_y Rot_z`` (paper, eq. 6), the inverse
     of the measured pose times the commanded one; from that matrix d and the three angles, exactly.
@@ -52,7 +52,7 @@ def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDAr
     Parameters
     ----------
     T_base_commanded, T_base_measured
-        ``(n, 4, 4)`` mm: the head frame in a fixed frame.
+        ``(n, 4, 4)`` mm: the pose error frame in a fixed frame.
     """
     displacement = invert(np.asarray(T_base_measured)) @ np.asarray(T_base_commanded)
     return displacement_parameters(displacement)
@@ -75,7 +75,8 @@ def displacement_parameters(displacement: NDArray[np.float64]) -> NDArray[np.flo
 def errors_about_group_means(
     T_base_measured: NDArray[np.float64], group: Sequence[str]
 ) -> tuple[NDArray[np.float64], int]:
-    """``(n, 6)`` errors about the mean pose of each group of repeated visits, head frame, and the number of groups.
+    """``(n, 6)`` errors about the mean pose of each group of repeated visits, pose error frame, and the number of
+    groups.
 
     The mean pose is the one about which the errors have no mean. Groups of one visit say nothing and raise.
 

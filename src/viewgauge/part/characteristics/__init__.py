@@ -1,5 +1,5 @@
-"""From the callouts of a B-rep to dimensions with gauges: pairs of points on real, visible edges."""
+"""From the PMI records of a B-rep to characteristics with measurands: pairs of points on real, visible edges."""
 
-from .derive import derive_dimensions
+from .derive import derive_characteristics
 
-__all__ = ["derive_dimensions"]
+__all__ = ["derive_characteristics"]

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..brep import Callout, Edge, Reference
+from ..brep import Edge, PmiRecord, Reference
 from ..features.arcs import circle_of, evenly
 from ..features.coincidence import coaxial, is_parallel, same_radius
 from ..features.outline import Outline
@@ -46,25 +46,25 @@ def rims_of(outline: Outline, references: tuple[Reference, ...]) -> list[int]:
     return [edge for edge in dict.fromkeys(edges) if outline.brep.edges[edge].kind == "circle"]
 
 
-def axis_distance(outline: Outline, callout: Callout) -> Outcome:
+def axis_distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:
     """The distance between the axis of ``first`` and the axis of ``second``."""
     pairs = [
         (i, j)
-        for i in rims_of(outline, callout.first)
-        for j in rims_of(outline, callout.second)
+        for i in rims_of(outline, pmi_record.first)
+        for j in rims_of(outline, pmi_record.second)
         if _correspond(outline.brep.edges[i], outline.brep.edges[j], outline.tolerance_mm)
     ]
     if not pairs:
         return Unmeasured("an axis has no visible edge, and no two rims of equal radius lie in one plane")
     apart = {(i, j): _centre_distance(outline, i, j) for i, j in pairs}
-    best = closest(list(apart.values()), callout)
-    if not agrees(best, callout):
-        return Unmeasured(disagreement(best, callout))
+    best = closest(list(apart.values()), pmi_record)
+    if not agrees(best, pmi_record):
+        return Unmeasured(disagreement(best, pmi_record))
     near = [pair for pair in pairs if abs(apart[pair] - best) <= outline.tolerance_mm]
-    gauges = select([candidate for i, j in near for candidate in _corresponding_points(outline, i, j)])
-    if not gauges:
+    measurands = select([candidate for i, j in near for candidate in _corresponding_points(outline, i, j)])
+    if not measurands:
         return Unmeasured("an axis has no visible edge, and the rims have no corresponding points")
-    return Measured(best, gauges)
+    return Measured(best, measurands)
 
 
 def _centre_distance(outline: Outline, i: int, j: int) -> float:
@@ -95,9 +95,9 @@ def _corresponding_points(outline: Outline, i: int, j: int) -> list[Candidate]:
         angles = circle.angles[common & outward]
         for place, angle in enumerate(_from_middle(evenly(angles[np.argsort(along[common & outward])], _ANGLES))):
             start = circle.point(angle)
-            gauge = outline.gauge(i, start, j, start + offset)
+            measurand = outline.measurand(i, start, j, start + offset)
             shared = bool(set(a.faces) & set(b.faces))
-            candidates.append(Candidate(gauge, shared, False, False, False, place, 2 * a.radius_mm))
+            candidates.append(Candidate(measurand, shared, False, False, False, place, 2 * a.radius_mm))
     return candidates
 
 

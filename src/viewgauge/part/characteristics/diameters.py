@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..brep import Callout, Edge, Reference
+from ..brep import Edge, PmiRecord, Reference
 from ..features.arcs import Circle, circle_of, evenly, opposite_angles
 from ..features.coincidence import same_axis, same_circle, same_radius
 from ..features.grouping import connected_groups
@@ -32,19 +32,19 @@ class _Feature:
     rims: tuple[int, ...]
 
 
-def diameters(outline: Outline, callout: Callout) -> list[Outcome]:
+def diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
     """One outcome per hole or boss among the referenced faces and edges, ordered by position x, then y, then z.
 
     Cylinders of one axis and one radius that adjoin along the axis are one feature: its place is the middle of
     its axis. Of other faces (cones, spheres, planes) the circular edges of the nominal diameter count, and of
     edges the circles: arcs of one circle, and circles of one hole, are one feature.
     """
-    features = _holes_and_bosses(outline, callout.first)
-    features += _circles(outline, callout, {edge for feature in features for edge in feature.rims})
+    features = _holes_and_bosses(outline, pmi_record.first)
+    features += _circles(outline, pmi_record, {edge for feature in features for edge in feature.rims})
     if not features:
-        return [Unmeasured("the callout refers to no cylinder and to no circular edge of the nominal diameter")]
+        return [Unmeasured("the PMI record refers to no cylinder and to no circular edge of the nominal diameter")]
     features.sort(key=lambda feature: tuple(np.round(feature.place, _ORDER_DECIMALS) + 0.0))
-    return [_chords(outline, callout, feature) for feature in features]
+    return [_chords(outline, pmi_record, feature) for feature in features]
 
 
 def _holes_and_bosses(outline: Outline, references: tuple[Reference, ...]) -> list[_Feature]:
@@ -83,17 +83,17 @@ def _feature(outline: Outline, cylinders: list[int]) -> _Feature:
     return _Feature(face.radius_mm, place, tuple(rims))
 
 
-def _circles(outline: Outline, callout: Callout, known: set[int]) -> list[_Feature]:
+def _circles(outline: Outline, pmi_record: PmiRecord, known: set[int]) -> list[_Feature]:
     """Features from circular edges: referenced ones, and those of the nominal diameter on faces but cylinders."""
     edges: list[int] = []
-    for reference in callout.first:
+    for reference in pmi_record.first:
         if reference.kind == "edge":
             edges.append(reference.index)
         elif outline.brep.faces[reference.index].kind != "cylinder":
             edges += [
                 edge
                 for edge in outline.visible_edges(reference.index)
-                if agrees(2 * outline.brep.edges[edge].radius_mm, callout)
+                if agrees(2 * outline.brep.edges[edge].radius_mm, pmi_record)
             ]
     circles = [edge for edge in edges if outline.brep.edges[edge].kind == "circle" and edge not in known]
     features = []
@@ -117,10 +117,10 @@ def _one_hole(outline: Outline, a: int, b: int) -> bool:
     )
 
 
-def _chords(outline: Outline, callout: Callout, feature: _Feature) -> Outcome:
+def _chords(outline: Outline, pmi_record: PmiRecord, feature: _Feature) -> Outcome:
     value = 2 * feature.radius_mm
-    if not agrees(value, callout):
-        return Unmeasured(disagreement(value, callout))
+    if not agrees(value, pmi_record):
+        return Unmeasured(disagreement(value, pmi_record))
     if not feature.rims:
         return Unmeasured("the feature has no visible circular edge: its rims are smooth or not flat")
     candidates = []
@@ -128,10 +128,10 @@ def _chords(outline: Outline, callout: Callout, feature: _Feature) -> Outcome:
         feature.rims, lambda a, b: same_circle(outline.brep.edges[a], outline.brep.edges[b], outline.tolerance_mm)
     ):
         candidates += _chords_of_rim(outline, arcs, value)
-    gauges = select(candidates)
-    if not gauges:
+    measurands = select(candidates)
+    if not measurands:
         return Unmeasured("no rim has two diametrically opposite points: its arcs are less than half a turn")
-    return Measured(value, gauges)
+    return Measured(value, measurands)
 
 
 def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> list[Candidate]:
@@ -143,12 +143,12 @@ def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> lis
     candidates = []
     for angle in evenly(opposite_angles(circle, edges), _ORIENTATIONS):
         i, j = (arcs[circle.arc_at(edges, turned)] for turned in (angle, angle + np.pi))
-        gauge = outline.gauge(i, circle.point(angle), j, circle.point(angle + np.pi))
-        gauge = replace(gauge, rim_axis=rim_axis)
+        measurand = outline.measurand(i, circle.point(angle), j, circle.point(angle + np.pi))
+        measurand = replace(measurand, rim_axis=rim_axis)
         shared = set(outline.brep.edges[i].faces) & set(outline.brep.edges[j].faces)
         concave = outline.is_concave(i) or outline.is_concave(j)
         on_flat_face = any(outline.brep.faces[face].kind == "plane" for face in shared)
-        candidates.append(Candidate(gauge, on_flat_face, concave, False, False, 0, diameter_mm))
+        candidates.append(Candidate(measurand, on_flat_face, concave, False, False, 0, diameter_mm))
     return candidates
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..brep import Callout, Reference
-from ..characteristic import Gauge
+from ..brep import PmiRecord, Reference
+from ..characteristic import Measurand
 from ..features.coincidence import is_parallel, unit
 from ..features.outline import Outline
-from ..features.parallel_planes import Side, distinct_normals, gauges_between, side_of
+from ..features.parallel_planes import Side, distinct_normals, measurands_between, side_of
 from .axis_distances import axis_distance, has_axis
 from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
 from .selection import LIMIT
@@ -17,63 +17,65 @@ from .selection import LIMIT
 __all__ = ["distance"]
 
 
-def distance(outline: Outline, callout: Callout) -> Outcome:
-    """The distance between what the callout's ``first`` and ``second`` refer to.
+def distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:
+    """The distance between what the PMI record's ``first`` and ``second`` refer to.
 
     The distance is measured along the common normal of planes, or perpendicular to parallel lines. Edges that
-    bound flat faces across it stand for these: gauges on the edges themselves come first. Where the
+    bound flat faces across it stand for these: measurands on the edges themselves come first. Where the
     references allow several distances (a step between sets of faces), the one closest to the nominal counts.
     """
-    along_normals = _between_planes(outline, callout)
+    along_normals = _between_planes(outline, pmi_record)
     if isinstance(along_normals, Measured):
         return along_normals
-    axes = [any(has_axis(outline, reference) for reference in side) for side in (callout.first, callout.second)]
+    axes = [any(has_axis(outline, reference) for reference in side) for side in (pmi_record.first, pmi_record.second)]
     if all(axes):
-        return axis_distance(outline, callout)
+        return axis_distance(outline, pmi_record)
     if any(axes):
         return Unmeasured("an axis has no visible edge: its distance from a face or an edge cannot be seen")
     return along_normals
 
 
-def _between_planes(outline: Outline, callout: Callout) -> Outcome:
+def _between_planes(outline: Outline, pmi_record: PmiRecord) -> Outcome:
     found: list[tuple[float, NDArray[np.float64], list[Side], list[Side]]] = []
-    for normal in _normals(outline, callout):
+    for normal in _normals(outline, pmi_record):
         first, second = (
             [side for reference in references if (side := side_of(outline, reference, normal))]
-            for references in (callout.first, callout.second)
+            for references in (pmi_record.first, pmi_record.second)
         )
         apart = {abs(float((b.point - a.point) @ normal)) for a in first for b in second}
         found += [(value, normal, first, second) for value in sorted(apart) if value > outline.tolerance_mm]
     if not found:
-        return Unmeasured(_why_no_planes(outline, callout))
-    best = closest([value for value, *_ in found], callout)
-    if not agrees(best, callout):
-        return Unmeasured(disagreement(best, callout))
+        return Unmeasured(_why_no_planes(outline, pmi_record))
+    best = closest([value for value, *_ in found], pmi_record)
+    if not agrees(best, pmi_record):
+        return Unmeasured(disagreement(best, pmi_record))
     for value, normal, first, second in found:
         if abs(value - best) <= outline.tolerance_mm:
-            gauges = gauges_between(outline, first, second, normal, value)
+            measurands = measurands_between(outline, first, second, normal, value)
             whole = [[_whole_face(outline, side) for side in sides] for sides in (first, second)]
             if _edges(whole[0]) != _edges(first) or _edges(whole[1]) != _edges(second):
-                gauges = _united(gauges, gauges_between(outline, whole[0], whole[1], normal, value))
-            if gauges:
-                return Measured(value, gauges)
+                measurands = _united(measurands, measurands_between(outline, whole[0], whole[1], normal, value))
+            if measurands:
+                return Measured(value, measurands)
     return Unmeasured("no two visible edges of the two sides lie opposite each other along their normal")
 
 
-def _united(gauges: tuple[Gauge, ...], further: tuple[Gauge, ...]) -> tuple[Gauge, ...]:
-    """The gauges, then the further ones that are not among them, as many as one dimension may have."""
-    places = {(*gauge.start, *gauge.end) for gauge in gauges}
-    return (*gauges, *(gauge for gauge in further if (*gauge.start, *gauge.end) not in places))[:LIMIT]
+def _united(measurands: tuple[Measurand, ...], further: tuple[Measurand, ...]) -> tuple[Measurand, ...]:
+    """The measurands, then the further ones that are not among them, as many as one characteristic may have."""
+    places = {(*measurand.start, *measurand.end) for measurand in measurands}
+    return (*measurands, *(measurand for measurand in further if (*measurand.start, *measurand.end) not in places))[
+        :LIMIT
+    ]
 
 
-def _normals(outline: Outline, callout: Callout) -> list[NDArray[np.float64]]:
+def _normals(outline: Outline, pmi_record: PmiRecord) -> list[NDArray[np.float64]]:
     """Directions along which the distance may be meant: faces' normals, or those between lines given as edges."""
     brep = outline.brep
-    references = (*callout.first, *callout.second)
+    references = (*pmi_record.first, *pmi_record.second)
     flat = [brep.faces[r.index].axis for r in references if r.kind == "face" and brep.faces[r.index].kind == "plane"]
     if flat:
         return distinct_normals(flat)
-    between = [_between_lines(outline, a, b) for a in callout.first for b in callout.second]
+    between = [_between_lines(outline, a, b) for a in pmi_record.first for b in pmi_record.second]
     adjoining = [
         brep.faces[face].axis
         for reference in references
@@ -109,8 +111,8 @@ def _edges(sides: list[Side]) -> set[int]:
     return {edge for side in sides for edge in side.edges}
 
 
-def _why_no_planes(outline: Outline, callout: Callout) -> str:
-    references = (*callout.first, *callout.second)
+def _why_no_planes(outline: Outline, pmi_record: PmiRecord) -> str:
+    references = (*pmi_record.first, *pmi_record.second)
     if any(r.kind == "edge" for r in references):
         return "the edges are not parallel, or lie in no parallel planes"
     if all(outline.brep.faces[r.index].kind == "plane" for r in references):

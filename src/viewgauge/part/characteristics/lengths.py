@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..brep import Callout, Edge
-from ..characteristic import Gauge
+from ..brep import Edge, PmiRecord
+from ..characteristic import Measurand
 from ..features.coincidence import is_parallel, unit
 from ..features.outline import Outline
-from ..features.parallel_planes import Side, gauges_between
+from ..features.parallel_planes import Side, measurands_between
 from .distances import distance
 from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
 from .selection import LIMIT
@@ -21,8 +21,8 @@ from .widths import widths
 __all__ = ["lengths"]
 
 
-def lengths(outline: Outline, callout: Callout) -> list[Outcome]:
-    """One outcome per feature that the callout sizes, in the order of the features' first references.
+def lengths(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
+    """One outcome per feature that the PMI record sizes, in the order of the features' first references.
 
     - straight edges: each one's length; two parallel ones, neither of that length: their distance
     - one flat face: the distance between its opposite parallel edges
@@ -31,35 +31,37 @@ def lengths(outline: Outline, callout: Callout) -> list[Outcome]:
     - cylinders: the distance between their flat ends
     """
     brep = outline.brep
-    edges = [r.index for r in callout.first if r.kind == "edge"]
-    faces = list(dict.fromkeys(r.index for r in callout.first if r.kind == "face"))
+    edges = [r.index for r in pmi_record.first if r.kind == "edge"]
+    faces = list(dict.fromkeys(r.index for r in pmi_record.first if r.kind == "face"))
     if edges and not faces:
-        return _of_edges(outline, callout, list(dict.fromkeys(edges)))
+        return _of_edges(outline, pmi_record, list(dict.fromkeys(edges)))
     flat = [face for face in faces if brep.faces[face].kind == "plane"]
     if not edges and len(faces) == len(flat) == 1:
-        return [_across_face(outline, callout, flat[0])]
+        return [_across_face(outline, pmi_record, flat[0])]
     if not edges and not flat and all(brep.faces[face].kind == "cylinder" for face in faces):
-        return [_along_cylinders(outline, callout, faces)]
-    if edges and len(callout.first) == 2:
-        return [_between_two(outline, callout)]
-    return widths(outline, callout, flat)
+        return [_along_cylinders(outline, pmi_record, faces)]
+    if edges and len(pmi_record.first) == 2:
+        return [_between_two(outline, pmi_record)]
+    return widths(outline, pmi_record, flat)
 
 
-def _between_two(outline: Outline, callout: Callout) -> Outcome:
+def _between_two(outline: Outline, pmi_record: PmiRecord) -> Outcome:
     """The distance between two references of one size."""
-    a, b = callout.first
-    return distance(outline, replace(callout, first=(a,), second=(b,)))
+    a, b = pmi_record.first
+    return distance(outline, replace(pmi_record, first=(a,), second=(b,)))
 
 
-def _of_edges(outline: Outline, callout: Callout, edges: list[int]) -> list[Outcome]:
+def _of_edges(outline: Outline, pmi_record: PmiRecord, edges: list[int]) -> list[Outcome]:
     straight = {i: outline.brep.edges[i] for i in edges if outline.brep.edges[i].kind == "line"}
     if not straight:
         return [Unmeasured("the length of a curved edge is no straight distance between two points")]
-    fitting = [i for i, edge in straight.items() if agrees(_length(edge), callout)]
+    fitting = [i for i, edge in straight.items() if agrees(_length(edge), pmi_record)]
     if not fitting and len(edges) == 2:
-        return [_between_two(outline, callout)]
+        return [_between_two(outline, pmi_record)]
     if not fitting:
-        return [Unmeasured(disagreement(closest([_length(edge) for edge in straight.values()], callout), callout))]
+        return [
+            Unmeasured(disagreement(closest([_length(edge) for edge in straight.values()], pmi_record), pmi_record))
+        ]
     return [_edge_length(outline, i) for i in fitting]
 
 
@@ -67,10 +69,10 @@ def _edge_length(outline: Outline, index: int) -> Outcome:
     if not outline.is_visible(index):
         return Unmeasured("the edge is smooth: its faces meet without a visible crease")
     start, end = outline.brep.edges[index].points[[0, -1]]
-    return Measured(_length(outline.brep.edges[index]), (outline.gauge(index, start, index, end),))
+    return Measured(_length(outline.brep.edges[index]), (outline.measurand(index, start, index, end),))
 
 
-def _across_face(outline: Outline, callout: Callout, face: int) -> Outcome:
+def _across_face(outline: Outline, pmi_record: PmiRecord, face: int) -> Outcome:
     """The distance between opposite parallel straight edges of one flat face."""
     edges = [i for i in outline.visible_edges(face) if outline.brep.edges[i].kind == "line"]
     found: list[tuple[float, NDArray[np.float64], int, int]] = []
@@ -84,22 +86,22 @@ def _across_face(outline: Outline, callout: Callout, face: int) -> Outcome:
                 found.append((value, across, i, j))
     if not found:
         return Unmeasured("the face has no two parallel visible edges")
-    if np.isnan(callout.nominal_mm) and len({round(value / outline.tolerance_mm) for value, *_ in found}) > 1:
+    if np.isnan(pmi_record.nominal_mm) and len({round(value / outline.tolerance_mm) for value, *_ in found}) > 1:
         return Unmeasured("the file gives no nominal value, and the face has several lengths")
-    best = closest([value for value, *_ in found], callout)
-    if not agrees(best, callout):
-        return Unmeasured(disagreement(best, callout))
-    gauges: list[Gauge] = []
+    best = closest([value for value, *_ in found], pmi_record)
+    if not agrees(best, pmi_record):
+        return Unmeasured(disagreement(best, pmi_record))
+    measurands: list[Measurand] = []
     for value, across, i, j in found:
         if abs(value - best) <= outline.tolerance_mm:
             first, second = (Side(outline.brep.edges[k].points[0], (k,), ()) for k in (i, j))
-            gauges += gauges_between(outline, [first], [second], across, best)
-    if not gauges:
+            measurands += measurands_between(outline, [first], [second], across, best)
+    if not measurands:
         return Unmeasured("no opposite edges of the face face each other")
-    return Measured(best, tuple(gauges[:LIMIT]))
+    return Measured(best, tuple(measurands[:LIMIT]))
 
 
-def _along_cylinders(outline: Outline, callout: Callout, faces: list[int]) -> Outcome:
+def _along_cylinders(outline: Outline, pmi_record: PmiRecord, faces: list[int]) -> Outcome:
     """The distance between the flat ends of cylinders with one direction."""
     axis = outline.brep.faces[faces[0]].axis
     rims = [
@@ -114,11 +116,11 @@ def _along_cylinders(outline: Outline, callout: Callout, faces: list[int]) -> Ou
     values = [value for value in values if value > outline.tolerance_mm]
     if not values:
         return Unmeasured("the curved face has no two visible flat ends")
-    best = closest(values, callout)
-    if not agrees(best, callout):
-        return Unmeasured(disagreement(best, callout))
-    gauges = gauges_between(outline, sides, sides, axis, best)
-    return Measured(best, gauges) if gauges else Unmeasured("the flat ends do not face each other")
+    best = closest(values, pmi_record)
+    if not agrees(best, pmi_record):
+        return Unmeasured(disagreement(best, pmi_record))
+    measurands = measurands_between(outline, sides, sides, axis, best)
+    return Measured(best, measurands) if measurands else Unmeasured("the flat ends do not face each other")
 
 
 def _length(edge: Edge) -> float:

@@ -1,12 +1,12 @@
-"""What the search for gauges finds for one feature, and whether it agrees with the callout."""
+"""What the search for measurands finds for one feature, and whether it agrees with the PMI record."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isnan
 
-from ..brep import Callout
-from ..characteristic import Gauge
+from ..brep import PmiRecord
+from ..characteristic import Measurand
 
 __all__ = ["Measured", "Outcome", "Unmeasured", "agrees", "closest", "disagreement"]
 
@@ -16,15 +16,15 @@ _RELATIVE_FLOOR = 1e-6  # digits of the nominal value in inch files
 
 @dataclass(frozen=True)
 class Measured:
-    """Gauges of one feature, all of length ``value_mm``: the dimension's value in the geometry."""
+    """Measurands of one feature, all of length ``value_mm``: the characteristic's value in the geometry."""
 
     value_mm: float
-    gauges: tuple[Gauge, ...]
+    measurands: tuple[Measurand, ...]
 
 
 @dataclass(frozen=True)
 class Unmeasured:
-    """One feature that offers no gauge, and why."""
+    """One feature that offers no measurand, and why."""
 
     reason: str
 
@@ -32,28 +32,28 @@ class Unmeasured:
 Outcome = Measured | Unmeasured
 
 
-def agrees(value_mm: float, callout: Callout) -> bool:
-    """Whether the geometry's value is the callout's nominal within its tolerance (1 % where it has none).
+def agrees(value_mm: float, pmi_record: PmiRecord) -> bool:
+    """Whether the geometry's value is the PMI record's nominal within its tolerance (1 % where it has none).
 
-    A callout without a nominal value agrees with any.
+    A PMI record without a nominal value agrees with any.
     """
-    if isnan(callout.nominal_mm):
+    if isnan(pmi_record.nominal_mm):
         return True
-    nominal = abs(callout.nominal_mm)
-    if callout.tolerance_mm is None:
+    nominal = abs(pmi_record.nominal_mm)
+    if pmi_record.tolerance_mm is None:
         limit = _RELATIVE_LIMIT * nominal
     else:
-        limit = max(max(abs(deviation) for deviation in callout.tolerance_mm), _RELATIVE_FLOOR * nominal)
+        limit = max(max(abs(deviation) for deviation in pmi_record.tolerance_mm), _RELATIVE_FLOOR * nominal)
     return abs(value_mm - nominal) <= limit * (1 + 1e-9)
 
 
-def closest(values_mm: list[float], callout: Callout) -> float:
-    """The value nearest to the callout's nominal (the first where it has none)."""
-    if isnan(callout.nominal_mm):
+def closest(values_mm: list[float], pmi_record: PmiRecord) -> float:
+    """The value nearest to the PMI record's nominal (the first where it has none)."""
+    if isnan(pmi_record.nominal_mm):
         return values_mm[0]
-    return min(values_mm, key=lambda value: abs(value - abs(callout.nominal_mm)))
+    return min(values_mm, key=lambda value: abs(value - abs(pmi_record.nominal_mm)))
 
 
-def disagreement(value_mm: float, callout: Callout) -> str:
+def disagreement(value_mm: float, pmi_record: PmiRecord) -> str:
     """The reason that names both values, mm."""
-    return f"the nominal value {callout.nominal_mm:.6g} mm disagrees with the geometry, {value_mm:.6g} mm"
+    return f"the nominal value {pmi_record.nominal_mm:.6g} mm disagrees with the geometry, {value_mm:.6g} mm"

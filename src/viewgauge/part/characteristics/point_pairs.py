@@ -1,4 +1,4 @@
-"""A gauge that the user gives by its two points, on a triangle mesh."""
+"""A measurand that the user gives by its two points, on a triangle mesh."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...exceptions import InputError
-from ..characteristic import Gauge
+from ..characteristic import Measurand
 from ..mesh import Mesh
 
-__all__ = ["distance_to_triangles", "gauge_on_mesh"]
+__all__ = ["distance_to_triangles", "measurand_on_mesh"]
 
 _TOUCHING_CHORDS, _TOUCHING_RELATIVE = 2.0, 1e-6  # of the chord error, of the diagonal
 _OUTSIDE_CHORDS, _OUTSIDE_RELATIVE = 5.0, 1e-3
 _SAME_NORMAL = np.cos(np.deg2rad(1.0))
 
 
-def gauge_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm: float | None = None) -> Gauge:
-    """The gauge between two points of a part; the adjoining faces are the triangles that touch each point.
+def measurand_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm: float | None = None) -> Measurand:
+    """The measurand between two points of a part; the adjoining faces are the triangles that touch each point.
 
     Where no triangle touches a point that is still near the surface, the nearest triangles count.
 
@@ -42,7 +42,7 @@ def gauge_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm:
     points = [_finite_point(name, point) for name, point in (("start", start), ("end", end))]
     if np.linalg.norm(points[1] - points[0]) <= _TOUCHING_RELATIVE * diagonal:
         raise InputError(
-            "the gauge has no length: its two points are the same",
+            "the measurand has no length: its two points are the same",
             key="end",
             got=_coordinates(points[1]),
             expected="two different points of the part",
@@ -51,7 +51,7 @@ def gauge_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm:
         _touching_normals(mesh, name, point, tolerance_mm, limit)
         for name, point in zip(("start", "end"), points, strict=True)
     ]
-    return Gauge(points[0], points[1], normals[0], normals[1], "given by its two points")
+    return Measurand(points[0], points[1], normals[0], normals[1], "given by its two points")
 
 
 def distance_to_triangles(mesh: Mesh, point: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -79,7 +79,9 @@ def _finite_point(name: str, given: ArrayLike) -> NDArray[np.float64]:
     except (TypeError, ValueError):
         point = np.full(3, np.nan)
     if point.shape != (3,) or not np.isfinite(point).all():
-        raise InputError("a gauge's point must be three finite numbers", key=name, got=given, expected="[x, y, z] mm")
+        raise InputError(
+            "a measurand's point must be three finite numbers", key=name, got=given, expected="[x, y, z] mm"
+        )
     return point
 
 
@@ -91,7 +93,7 @@ def _touching_normals(
     nearest = float(apart.min())
     if not nearest <= limit_mm:
         raise InputError(
-            f"dimension outside the part: its {name} is {nearest:.4g} mm from the surface",
+            f"characteristic outside the part: its {name} is {nearest:.4g} mm from the surface",
             key=name,
             got=_coordinates(point),
             expected=f"a point of the part's surface, within {limit_mm:.3g} mm",

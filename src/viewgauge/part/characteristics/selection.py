@@ -1,4 +1,4 @@
-"""The choice among many possible gauges of one dimension: robust ones first, visible from different sides."""
+"""The choice among many possible measurands of one characteristic: robust ones first, visible from different sides."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..characteristic import Gauge
+from ..characteristic import Measurand
 
 __all__ = ["LIMIT", "Candidate", "select"]
 
@@ -19,12 +19,12 @@ _OPPOSED = -1 + 1e-6
 
 @dataclass(frozen=True)
 class Candidate:
-    """A possible gauge.
+    """A possible measurand.
 
     Parameters
     ----------
-    gauge
-        The gauge.
+    measurand
+        The measurand.
     common_face
         Both its edges bound one further face.
     concave
@@ -39,7 +39,7 @@ class Candidate:
         Length of the shorter of the two edges, mm.
     """
 
-    gauge: Gauge
+    measurand: Measurand
     common_face: bool
     concave: bool
     straight: bool
@@ -48,18 +48,18 @@ class Candidate:
     edge_length_mm: float
 
 
-def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Gauge, ...]:
-    """At most ``limit`` gauges: in turn one of each side from which both ends are seen, as long as it has any.
+def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Measurand, ...]:
+    """At most ``limit`` measurands: in turn one of each side from which both ends are seen, as long as it has any.
 
     Within a side: ends with a common normal first, then outer corners, a common face, straight edges, and
     places along an edge rather than its end; among equals the one farthest from those already chosen; the first
-    is the best place of the longest edges. Gauges whose ends face in opposite directions cannot be seen at once
+    is the best place of the longest edges. Measurands whose ends face in opposite directions cannot be seen at once
     and are left out.
     """
-    ranked = sorted((candidate for candidate in candidates if _can_be_seen(candidate.gauge)), key=_rank)
+    ranked = sorted((candidate for candidate in candidates if _can_be_seen(candidate.measurand)), key=_rank)
     classes = [_class(candidate) for candidate in ranked]
-    sides = _by_side([candidate.gauge for candidate in ranked])
-    ends = np.array([(candidate.gauge.start, candidate.gauge.end) for candidate in ranked]).reshape(-1, 2, 3)
+    sides = _by_side([candidate.measurand for candidate in ranked])
+    ends = np.array([(candidate.measurand.start, candidate.measurand.end) for candidate in ranked]).reshape(-1, 2, 3)
     apart_mm = np.full(len(ranked), np.inf)
     chosen: list[int] = []
     while len(chosen) < limit and any(sides):
@@ -71,19 +71,19 @@ def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Gauge, ...]
             side.remove(best)
             chosen.append(best)
             apart_mm = np.minimum(apart_mm, _distance(ends, ends[best]))
-    return tuple(ranked[index].gauge for index in chosen)
+    return tuple(ranked[index].measurand for index in chosen)
 
 
-def _can_be_seen(gauge: Gauge) -> bool:
+def _can_be_seen(measurand: Measurand) -> bool:
     """Whether both ends have a normal, and not only opposite ones."""
-    return len(gauge.start_normals) > 0 < len(gauge.end_normals) and _common_view(gauge)[0] > _OPPOSED
+    return len(measurand.start_normals) > 0 < len(measurand.end_normals) and _common_view(measurand)[0] > _OPPOSED
 
 
-def _by_side(gauges: list[Gauge]) -> list[list[int]]:
-    """Indices of the gauges that are seen from one side, for each side, in the order of the gauges."""
+def _by_side(measurands: list[Measurand]) -> list[list[int]]:
+    """Indices of the measurands that are seen from one side, for each side, in the order of the measurands."""
     sides: list[tuple[NDArray[np.float64], list[int]]] = []
-    for index, gauge in enumerate(gauges):
-        _, view = _common_view(gauge)
+    for index, measurand in enumerate(measurands):
+        _, view = _common_view(measurand)
         for direction, members in sides:
             if float(direction @ view) > _SAME_SIDE:
                 members.append(index)
@@ -94,8 +94,8 @@ def _by_side(gauges: list[Gauge]) -> list[list[int]]:
 
 
 def _class(candidate: Candidate) -> tuple[bool, bool, bool, bool, bool]:
-    """What makes a gauge less robust, the worst first."""
-    same_normal = _common_view(candidate.gauge)[0] > _SAME_NORMAL
+    """What makes a measurand less robust, the worst first."""
+    same_normal = _common_view(candidate.measurand)[0] > _SAME_NORMAL
     return (
         not same_normal,
         candidate.concave,
@@ -110,14 +110,14 @@ def _rank(candidate: Candidate) -> tuple[tuple[bool, ...], int, float]:
 
 
 def _distance(ends: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far gauges ``(n, 2, 3)`` are from another ``(2, 3)``, mm: the sum at both ends, either way round."""
+    """How far measurands ``(n, 2, 3)`` are from another ``(2, 3)``, mm: the sum at both ends, either way round."""
     same, swapped = (np.linalg.norm(ends - turned, axis=2).sum(axis=1) for turned in (other, other[::-1]))
     return np.asarray(np.minimum(same, swapped))
 
 
-def _common_view(gauge: Gauge) -> tuple[float, NDArray[np.float64]]:
+def _common_view(measurand: Measurand) -> tuple[float, NDArray[np.float64]]:
     """Of all pairs of a normal at the start and one at the end, the largest cosine, and the bisector ``(3,)``."""
-    cosines = gauge.start_normals @ gauge.end_normals.T
+    cosines = measurand.start_normals @ measurand.end_normals.T
     i, j = np.unravel_index(np.argmax(np.round(cosines, 9)), cosines.shape)
-    bisector = gauge.start_normals[i] + gauge.end_normals[j]
+    bisector = measurand.start_normals[i] + measurand.end_normals[j]
     return float(cosines[i, j]), bisector / max(float(np.linalg.norm(bisector)), np.finfo(float).tiny)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..brep import Brep, Edge
-from ..characteristic import Gauge
+from ..characteristic import Measurand
 from .coincidence import position_tolerance_mm
 
 __all__ = ["Outline", "distinct_directions"]
@@ -29,7 +29,7 @@ def distinct_directions(normals: NDArray[np.float64], cosine: float = _SAME_DIRE
 
 @dataclass(frozen=True)
 class Outline:
-    """A B-rep with what the gauge algorithms ask of its edges."""
+    """A B-rep with what the measurand algorithms ask of its edges."""
 
     brep: Brep
 
@@ -76,11 +76,13 @@ class Outline:
         end_points, owner = self._ends
         return sorted({int(owner[i]) for i in end_points.query_ball_point(point, self.tolerance_mm)})
 
-    def gauge(self, start_edge: int, start: NDArray[np.float64], end_edge: int, end: NDArray[np.float64]) -> Gauge:
-        """The gauge between a point of one edge and a point of another (or the same)."""
+    def measurand(
+        self, start_edge: int, start: NDArray[np.float64], end_edge: int, end: NDArray[np.float64]
+    ) -> Measurand:
+        """The measurand between a point of one edge and a point of another (or the same)."""
         source = f"edge {start_edge}" if start_edge == end_edge else f"edges {start_edge} and {end_edge}"
         normals = (self.normals_at(start_edge, start), self.normals_at(end_edge, end))
-        return Gauge(start, end, normals[0], normals[1], source)
+        return Measurand(start, end, normals[0], normals[1], source)
 
     def overlapping(
         self, first: tuple[int, ...], second: tuple[int, ...], shift: NDArray[np.float64]

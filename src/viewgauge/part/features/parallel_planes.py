@@ -1,4 +1,4 @@
-"""Gauges between two parallel planes, each represented by the visible edges that lie in it."""
+"""Measurands between two parallel planes, each represented by the visible edges that lie in it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import Reference
-from ..characteristic import Gauge
+from ..characteristic import Measurand
 from ..characteristics.selection import Candidate, select
 from .coincidence import is_parallel, unit
 from .facing_points import facing_points
 from .outline import Outline
 
-__all__ = ["Side", "distinct_normals", "gauges_between", "side_of"]
+__all__ = ["Side", "distinct_normals", "measurands_between", "side_of"]
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,14 @@ def side_of(outline: Outline, reference: Reference, normal: NDArray[np.float64])
     return Side(edge.points[0], edges, in_plane)
 
 
-def gauges_between(
+def measurands_between(
     outline: Outline,
     first: Sequence[Side],
     second: Sequence[Side],
     normal: NDArray[np.float64],
     distance_mm: float,
-) -> tuple[Gauge, ...]:
-    """Gauges of length ``distance_mm`` between any of the first sides and any of the second that is so far away.
+) -> tuple[Measurand, ...]:
+    """Measurands of length ``distance_mm`` between any of the first sides and any of the second that is so far away.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _between_edges(outline: Outline, i: int, j: int, shift: NDArray[np.float64],
     concave = outline.is_concave(i) or outline.is_concave(j)
     shorter = min(_length(a.points), _length(b.points))
     return [
-        Candidate(outline.gauge(i, start, j, end), common, concave, straight, False, place, shorter)
+        Candidate(outline.measurand(i, start, j, end), common, concave, straight, False, place, shorter)
         for place, (start, end) in enumerate(pairs)
     ]
 
@@ -97,9 +97,9 @@ def _along_joining_edges(outline: Outline, a: Side, b: Side, shift: NDArray[np.f
         for start, end in (edge.points[[0, -1]], edge.points[[-1, 0]]):
             spans = bool(np.linalg.norm(end - start - shift) <= outline.tolerance_mm)
             if spans and _on_edges(outline, start, a) and _on_edges(outline, end, b):
-                gauge = outline.gauge(index, start, index, start + shift)
+                measurand = outline.measurand(index, start, index, start + shift)
                 candidates.append(
-                    Candidate(gauge, True, outline.is_concave(index), True, True, 0, _length(edge.points))
+                    Candidate(measurand, True, outline.is_concave(index), True, True, 0, _length(edge.points))
                 )
     return candidates
 

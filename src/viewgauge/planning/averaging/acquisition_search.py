@@ -1,8 +1,8 @@
-"""Sets of looks at one dimension whose mean is sure enough.
+"""Sets of looks at one characteristic whose mean is sure enough.
 
 The search takes the variance of the mean for its measure, which the law follows closely, and the law decides. Pairs
-are looked through in full; larger sets grow from the best pairs by the look that lowers the variance most, and are
-mended by exchanging one look at a time. That is a heuristic: that fewer looks would not do is not proven.
+are looked through in full; larger sets grow from the best pairs by the acquisition that lowers the variance most, and
+are mended by exchanging one look at a time. That is a heuristic: that fewer acquisitions would not do is not proven.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from ...evaluation import Looks
+from ...evaluation import Acquisitions
 from ...geometry.pose_error import covariance_factor
 
-__all__ = ["LEAST_SEPARATION_STEPS", "LookCandidates", "LookSearch"]
+__all__ = ["LEAST_SEPARATION_STEPS", "AcquisitionCandidates", "AcquisitionSearch"]
 
 LEAST_SEPARATION_STEPS = 2.0
-"""Quantization steps by which both ends must move in the image between two looks whose quantization errors are to
-count as independent. Two looks whose images coincide round alike. One step is where the ends are certain to lie in
-other cells of the pixel grid; the place in the cell, from which the error follows, is then another, and as good as
-even over the cell as soon as what moves the image between the two looks, the repeatability, is half a step or more
-(docs: theory, several looks). The other step is room for that."""
+"""Quantization steps by which both ends must move in the image between two acquisitions whose quantization errors are
+to count as independent. Two acquisitions whose images coincide round alike. One step is where the ends are certain to
+lie in other cells of the pixel grid; the place in the cell, from which the error follows, is then another, and as good
+as even over the cell as soon as what moves the image between the two acquisitions, the repeatability, is half a step or
+more (docs: theory, several viewpoints). The other step is room for that."""
 
 _STARTS = 16
 _EXCHANGES = 20  # rounds; each lowers the variance, a few are usual
@@ -33,66 +33,68 @@ _BLOCK = 256  # rows of the pairs that are looked at at once
 
 
 @dataclass(frozen=True)
-class LookCandidates:
-    """The n looks from which one dimension may be measured.
+class AcquisitionCandidates:
+    """The n looks from which one characteristic may be measured.
 
     Parameters
     ----------
-    setting
-        ``(n,)``: index of each look's setting, each once.
-    gauge
-        ``(n,)``: index of the gauge among the dimension's.
-    looks
+    viewpoint
+        ``(n,)``: index of each acquisition's viewpoint, each once.
+    measurand
+        ``(n,)``: index of the measurand among the characteristic's.
+    acquisitions
         Their errors.
     image_px
-        ``(n, 2, 2)``: where the gauge's ends are imaged, px.
+        ``(n, 2, 2)``: where the measurand's ends are imaged, px.
     step_px
         Quantization step, px.
     allowed_error_mm
-        Largest allowed error of the dimension.
+        Largest allowed error of the characteristic.
     good
-        ``(n,)``: the looks among which the fewest are sought; the others serve only where their settings are taken
-        for other dimensions.
+        ``(n,)``: the acquisitions among which the fewest are sought; the others serve only where their viewpoints are
+        taken for other characteristics.
     """
 
-    setting: NDArray[np.int64]
-    gauge: NDArray[np.int64]
-    looks: Looks
+    viewpoint: NDArray[np.int64]
+    measurand: NDArray[np.int64]
+    acquisitions: Acquisitions
     image_px: NDArray[np.float64]
     step_px: float
     allowed_error_mm: float
     good: NDArray[np.bool_]
 
     def probability(self, chosen: NDArray[np.int64] | Sequence[int]) -> NDArray[np.float64]:
-        """That the mean of some of the looks, ``(..., k)``, is right."""
-        return self.looks.mean_of(chosen).central_probability(self.allowed_error_mm)
+        """That the mean of some of the acquisitions, ``(..., k)``, is right."""
+        return self.acquisitions.mean_of(chosen).central_probability(self.allowed_error_mm)
 
 
-class LookSearch:
-    """Sets of looks at one dimension."""
+class AcquisitionSearch:
+    """Sets of looks at one characteristic."""
 
-    def __init__(self, candidates: LookCandidates, required: float) -> None:
+    def __init__(self, candidates: AcquisitionCandidates, required: float) -> None:
         self.candidates, self._required = candidates, required
-        looks = candidates.looks
-        self._common = looks.gradient @ covariance_factor(looks.common_covariance)  # (n, 6) mm per unit normal
-        self._own = looks.own_variance_mm2
+        acquisitions = candidates.acquisitions
+        self._common = acquisitions.gradient @ covariance_factor(
+            acquisitions.common_covariance
+        )  # (n, 6) mm per unit normal
+        self._own = acquisitions.own_variance_mm2
         self.single_variance = np.asarray((self._common**2).sum(axis=1) + self._own)
-        """``(n,)`` mm²: of each look by itself."""
+        """``(n,)`` mm²: of each acquisition by itself."""
 
     def sure(self, chosen: Sequence[int] | None) -> bool:
         """The mean of these meets the requirement."""
         return chosen is not None and float(self.candidates.probability(chosen)) >= self._required
 
-    def settings(self, chosen: Sequence[int]) -> set[int]:
-        """The settings of some looks."""
-        return set(self.candidates.setting[list(chosen)].tolist())
+    def viewpoints(self, chosen: Sequence[int]) -> set[int]:
+        """The viewpoints of some acquisitions."""
+        return set(self.candidates.viewpoint[list(chosen)].tolist())
 
-    def among(self, settings: Collection[int]) -> NDArray[np.bool_]:
-        """``(n,)``: the looks from some settings."""
-        return np.isin(self.candidates.setting, list(settings))
+    def among(self, viewpoints: Collection[int]) -> NDArray[np.bool_]:
+        """``(n,)``: the looks from some viewpoints."""
+        return np.isin(self.candidates.viewpoint, list(viewpoints))
 
-    def surest(self, k: int, among: NDArray[np.bool_]) -> tuple[int, ...] | None:
-        """Of the sets of k looks that are found among some the surest; None where there is none."""
+    def most_probable(self, k: int, among: NDArray[np.bool_]) -> tuple[int, ...] | None:
+        """Of the sets of k acquisitions that are found among some the most probable; None where there is none."""
         grown = (self._grown(pair, k, among) for pair in self._pairs(among))
         sets = sorted({tuple(sorted(found)) for found in grown if found})
         return sets[int(np.argmax(self.candidates.probability(np.array(sets))))] if sets else None
@@ -100,29 +102,35 @@ class LookSearch:
     def with_few_new(
         self, chosen: tuple[int, ...], free: NDArray[np.bool_], favour: NDArray[np.float64]
     ) -> tuple[int, ...]:
-        """As many looks that meet the requirement, as many of them free as are found; of the others the favoured."""
-        alone = self.surest(len(chosen), free)
+        """As many acquisitions that meet the requirement, as many of them free as are found; of the others the
+        favoured.
+        """
+        alone = self.most_probable(len(chosen), free)
         if self.sure(alone):
             assert alone is not None
             return alone
-        looks = list(chosen)
-        for place in range(len(looks)):
-            rest = looks[:place] + looks[place + 1 :]
-            if free[looks[place]]:
+        acquisitions = list(chosen)
+        for place in range(len(acquisitions)):
+            rest = acquisitions[:place] + acquisitions[place + 1 :]
+            if free[acquisitions[place]]:
                 continue
             others = np.flatnonzero(self._apart(np.array(rest), np.arange(len(self._own))).all(axis=0))
             sum_variance = self._variance(rest) + self._added_variance(rest)
             # far more variance than that of what is chosen and sure: not worth a look at the law
-            others = others[sum_variance[others] <= _HOPELESS * max(self._variance(looks), self._limit(len(looks)))]
+            others = others[
+                sum_variance[others] <= _HOPELESS * max(self._variance(acquisitions), self._limit(len(acquisitions)))
+            ]
             sets = np.column_stack([np.tile(rest, (len(others), 1)), others])
             others = others[self.candidates.probability(sets) >= self._required]
-            others = np.union1d(others, looks[place])  # itself too: rounding, in another order, must not refuse it
-            order = np.lexsort((others, others != looks[place], -favour[others], ~free[others]))
-            looks[place] = int(others[order[0]])
-        return tuple(sorted(looks))
+            others = np.union1d(
+                others, acquisitions[place]
+            )  # itself too: rounding, in another order, must not refuse it
+            order = np.lexsort((others, others != acquisitions[place], -favour[others], ~free[others]))
+            acquisitions[place] = int(others[order[0]])
+        return tuple(sorted(acquisitions))
 
     def _pairs(self, among: NDArray[np.bool_]) -> list[tuple[int, int]]:
-        """The best pairs: of each look with its best partner, the best of them."""
+        """The best pairs: of each acquisition with its best partner, the best of them."""
         index = np.flatnonzero(among)
         best: list[tuple[float, int, int]] = []
         for first in range(0, len(index), _BLOCK):
@@ -168,14 +176,14 @@ class LookSearch:
         return float((k * self.candidates.allowed_error_mm / ndtri((1 + self._required) / 2)) ** 2)
 
     def _variance(self, chosen: Sequence[int]) -> float:
-        """Of the sum of the looks."""
+        """Of the sum of the acquisitions."""
         held = list(chosen)
         return float((self._common[held].sum(axis=0) ** 2).sum() + self._own[held].sum())
 
     def _apart(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """``(r, c)``: looks from two settings whose images are far enough from each other at both ends."""
-        image, setting = self.candidates.image_px, self.candidates.setting
+        """``(r, c)``: looks from two viewpoints whose images are far enough from each other at both ends."""
+        image, viewpoint = self.candidates.image_px, self.candidates.viewpoint
         step = image[rows][:, None] - image[columns]
         moved = step[..., 0] ** 2 + step[..., 1] ** 2  # of both ends
         far = np.minimum(moved[..., 0], moved[..., 1]) >= (LEAST_SEPARATION_STEPS * self.candidates.step_px) ** 2
-        return np.asarray(far & (setting[rows][:, None] != setting[columns]))
+        return np.asarray(far & (viewpoint[rows][:, None] != viewpoint[columns]))

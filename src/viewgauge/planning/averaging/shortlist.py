@@ -1,4 +1,4 @@
-"""Of very many settings a few for each dimension, from which it may be worth averaging."""
+"""Of very many viewpoints a few for each characteristic, from which it may be worth averaging."""
 
 from __future__ import annotations
 
@@ -8,67 +8,70 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...evaluation import Looks
+from ...evaluation import Acquisitions
 from ...geometry.pose_error import covariance_factor
 
-__all__ = ["LookShortlist", "look_scores"]
+__all__ = ["AcquisitionShortlist", "acquisition_scores"]
 
 _KEPT = 24
-"""Looks at a dimension that are kept by each score."""
+"""Looks at a characteristic that are kept by each score."""
 
 
-def look_scores(looks: Looks) -> NDArray[np.float64]:
-    """``(n, 13)``: reasons to keep a look; the higher, the better, and comparable between looks at one dimension.
+def acquisition_scores(acquisitions: Acquisitions) -> NDArray[np.float64]:
+    """``(n, 13)``: reasons to keep an acquisition; the higher, the better, and comparable between looks at one
+    characteristic.
 
-    First the look by itself: less its variance. Then what it can offset in a mean: the common part of its error along
-    each principal axis of the common covariance, with either sign, over its variance.
+    First the acquisition by itself: less its variance. Then what it can offset in a mean: the common part of its error
+    along each principal axis of the common covariance, with either sign, over its variance.
     """
-    common = looks.gradient @ covariance_factor(looks.common_covariance)
-    variance = (common**2).sum(axis=1) + looks.own_variance_mm2
+    common = acquisitions.gradient @ covariance_factor(acquisitions.common_covariance)
+    variance = (common**2).sum(axis=1) + acquisitions.own_variance_mm2
     share = common / np.maximum(variance, np.finfo(float).tiny)[:, None]
     return np.column_stack([-variance, share, -share])
 
 
 @dataclass(frozen=True)
-class LookShortlist:
-    """For each dimension the best looks by each of several scores; merging is associative and commutative.
+class AcquisitionShortlist:
+    """For each characteristic the best acquisitions by each of several scores; merging is associative and commutative.
 
     Parameters
     ----------
-    setting, dimension
-        ``(m,)``: the looks, sorted by dimension, then setting.
+    viewpoint, characteristic
+        ``(m,)``: the acquisitions, sorted by characteristic, then viewpoint.
     score
-        ``(m, s)``: of :func:`look_scores`.
+        ``(m, s)``: of :func:`acquisition_scores`.
     """
 
-    setting: NDArray[np.int64]
-    dimension: NDArray[np.int64]
+    viewpoint: NDArray[np.int64]
+    characteristic: NDArray[np.int64]
     score: NDArray[np.float64]
 
     @classmethod
-    def of(cls, setting: NDArray[np.int64], dimension: NDArray[np.int64], score: NDArray[np.float64]) -> LookShortlist:
-        """The shortlist of some looks, each pair of setting and dimension once."""
-        keep = np.zeros(len(setting), dtype=bool)
+    def of(
+        cls, viewpoint: NDArray[np.int64], characteristic: NDArray[np.int64], score: NDArray[np.float64]
+    ) -> AcquisitionShortlist:
+        """The shortlist of some acquisitions, each pair of viewpoint and characteristic once."""
+        keep = np.zeros(len(viewpoint), dtype=bool)
         for s in range(score.shape[1]):
-            order = np.lexsort((setting, -score[:, s], dimension))
-            # place of each look among those of its dimension
-            place = np.arange(len(order)) - np.searchsorted(dimension[order], dimension[order])
+            order = np.lexsort((viewpoint, -score[:, s], characteristic))
+            # place of each acquisition among those of its characteristic
+            place = np.arange(len(order)) - np.searchsorted(characteristic[order], characteristic[order])
             keep[order[place < _KEPT]] = True
         kept = np.flatnonzero(keep)
-        kept = kept[np.lexsort((setting[kept], dimension[kept]))]
-        return cls(setting[kept], dimension[kept], score[kept])
+        kept = kept[np.lexsort((viewpoint[kept], characteristic[kept]))]
+        return cls(viewpoint[kept], characteristic[kept], score[kept])
 
-    def merged(self, other: LookShortlist) -> LookShortlist:
-        """Of the looks of both."""
+    def merged(self, other: AcquisitionShortlist) -> AcquisitionShortlist:
+        """Of the acquisitions of both."""
         joined = {name: np.concatenate([a, other.arrays()[name]]) for name, a in self.arrays().items()}
-        return LookShortlist.of(**joined)
+        return AcquisitionShortlist.of(**joined)
 
-    def of_dimensions(self, kept: Sequence[int]) -> LookShortlist:
-        """Only of some dimensions, ascending, which are numbered anew."""
-        rows = np.isin(self.dimension, kept)
-        place = np.searchsorted(kept, self.dimension[rows])
-        return LookShortlist(self.setting[rows], place.astype(np.int64), self.score[rows])
+    def of_characteristics(self, kept: Sequence[int]) -> AcquisitionShortlist:
+        """Only of some characteristics, ascending, which are numbered anew."""
+        rows = np.isin(self.characteristic, kept)
+        place = np.searchsorted(kept, self.characteristic[rows])
+        return AcquisitionShortlist(self.viewpoint[rows], place.astype(np.int64), self.score[rows])
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """As plain arrays, to be stored; they are the arguments of :meth:`of` again."""
-        return {"setting": self.setting, "dimension": self.dimension, "score": self.score}
+        return {"viewpoint": self.viewpoint, "characteristic": self.characteristic, "score": self.score}

@@ -3,6 +3,6 @@
 from .branch_and_bound import Bound, Budget
 from .certificate import Certificate, certify
 from .eye_region import EyeRegion
-from .viewpoints_bound import SettingsBound, settings_lower_bound
+from .viewpoints_bound import ViewpointsBound, viewpoints_lower_bound
 
-__all__ = ["Bound", "Budget", "Certificate", "EyeRegion", "SettingsBound", "certify", "settings_lower_bound"]
+__all__ = ["Bound", "Budget", "Certificate", "EyeRegion", "ViewpointsBound", "certify", "viewpoints_lower_bound"]

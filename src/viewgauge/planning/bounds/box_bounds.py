@@ -1,7 +1,7 @@
-"""Bounds of the two errors of a gauge's image over a box of the ways in which it can lie before a camera.
+"""Bounds of the two errors of a measurand's image over a box of the ways in which it can lie before a camera.
 
-Up to what changes nothing, a gauge of length l lies before a camera in a five-parameter family of ways: the middle of
-its image, whose components along and across the image are ``alpha`` and ``beta`` (tangents); the image's direction
+Up to what changes nothing, a measurand of length l lies before a camera in a five-parameter family of ways: the middle
+of its image, whose components along and across the image are ``alpha`` and ``beta`` (tangents); the image's direction
 ``phi`` from +u; ``w``, the mean of the reciprocal depths of the ends; and ``k``, with ``k w`` the difference of the
 reciprocal depths per image length. With ``D = (1 - k alpha)² + k² (1 + beta²)`` and ``G = l w/sqrt(D)`` ::
 
@@ -10,7 +10,7 @@ reciprocal depths per image length. With ``D = (1 - k alpha)² + k² (1 + beta²
     r_i = Z_i sqrt(1 + beta² + (alpha -/+ L/2)²)                          their distances from the eye
     e = w (k d_t - (1 + alpha k) d_z) + 2 alpha omega_n - beta omega_t    the relative error of L
 
-where d and omega are the pose error at the centre of projection, t its component along the image of the gauge and n
+where d and omega are the pose error at the centre of projection, t its component along the image of the measurand and n
 the one across (t turned by +90 deg): the joint Jacobian of :func:`~viewgauge.evaluation.image_segment` over L.
 The standard deviation of e is ``|R j|`` with j the row of e and ``R^T R`` the covariance.
 
@@ -262,7 +262,7 @@ def box_bounds(boxes, shortest, longest, R, view, out, axis):  # type: ignore[no
     boxes
         ``(n, 5, 2)``: least and largest of each of :data:`AXES`.
     shortest, longest
-        Between which the gauge's length lies, mm.
+        Between which the measurand's length lies, mm.
     R
         ``(5, 5)`` upper triangular, ``R^T R`` the covariance of the first five of [x, y, z, rx, ry, rz] at the centre
         of projection, camera frame, mm and rad (a turn about the optical axis changes no length).

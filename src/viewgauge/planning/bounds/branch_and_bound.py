@@ -1,4 +1,6 @@
-"""An upper bound of a dimension's probability over all camera poses: branch and bound over the ways a gauge can lie."""
+"""An upper bound of a characteristic's probability over all camera poses: branch and bound over the ways a measurand
+can lie.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import line_end_variance
 from ...errors.joint.closed_form_array import central_probability_into
-from ...geometry import PoseError
+from ...evaluation import Setup
 from ...sensors import Camera
 from ...visibility import ObservationLimits
 from .box_bounds import AXES, OUT, box_bounds
@@ -21,7 +23,7 @@ __all__ = ["Bound", "Budget", "acceptable_distances", "probability_bound", "wide
 _LAW = 1e-10  # added to every upper bound: ten times the error of the closed form
 _BATCH = 1 << 14
 _NEAREST = 1e-6
-"""Eyes nearer to an end than this part of the gauge's length are left out: no lens is there."""
+"""Eyes nearer to an end than this part of the measurand's length are left out: no lens is there."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,9 @@ def probability_bound(
     length_mm: tuple[float, float],
     relative_tolerance: float,
     reachable: DistanceGrid,
-    camera: Camera,
-    error: PoseError,
-    limits: ObservationLimits,
+    setup: Setup,
     *,
-    target: float,
+    target: float | None = None,
     budget: Budget = DEFAULT_BUDGET,
     rims: bool = False,
 ) -> Bound:
@@ -89,16 +89,17 @@ def probability_bound(
     Parameters
     ----------
     length_mm
-        Between which two the gauge's length lies.
+        Between which two the measurand's length lies.
     relative_tolerance
-        T; of gauges of several lengths the largest.
+        T; of measurands of several lengths the largest.
     target
-        The required probability: a search that has met a way to lie that reaches it ends, since no bound below it
-        exists then.
+        A search that has met a way to lie that reaches this probability ends, since no bound below it exists then; by
+        default the required one.
     rims
         Whole rims may be fitted in place of two ends.
     """
-    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits, rims)
+    search = _Search(length_mm, relative_tolerance, reachable, setup, rims)
+    target = setup.requirement.probability if target is None else target
     if not search.possible:
         return Bound(0.0, 0.0, 0, None)
     dropped = 0.0  # highest bound of what was put aside as near enough
@@ -117,16 +118,14 @@ def acceptable_distances(
     length_mm: tuple[float, float],
     relative_tolerance: float,
     reachable: DistanceGrid,
-    camera: Camera,
-    error: PoseError,
-    limits: ObservationLimits,
+    setup: Setup,
     *,
-    required: float,
     budget: Budget = DEFAULT_BUDGET,
     rims: bool = False,
 ) -> DistanceGrid:
     """The pairs of reachable distances at which the required probability is not excluded."""
-    search = _Search(length_mm, relative_tolerance, reachable, camera, error, limits, rims)
+    search = _Search(length_mm, relative_tolerance, reachable, setup, rims)
+    required = setup.requirement.probability
     accepted = DistanceGrid(reachable.shortest_mm, reachable.longest_mm, len(reachable.cells))
     while search.possible and len(search.boxes):
         rectangles = accepted.rectangles(search.distances)
@@ -150,12 +149,11 @@ class _Search:
         length_mm: tuple[float, float],
         relative_tolerance: float,
         reachable: DistanceGrid,
-        camera: Camera,
-        error: PoseError,
-        limits: ObservationLimits,
+        setup: Setup,
         rims: bool,
     ) -> None:
         self._length, self._tolerance, self._reachable = length_mm, relative_tolerance, reachable
+        camera, error, limits = setup.camera, setup.pose_error, setup.limits
         factor = (error.adjoint @ error.factor)[:AXES]
         self._R = np.ascontiguousarray(np.linalg.qr(factor.T, mode="r"))
         self._view = _view(camera, limits, rims)
@@ -183,7 +181,7 @@ class _Search:
         far = min(far, self._view[5])
         if near > far:
             return np.zeros((0, AXES, 2))
-        # D >= k²: a gauge that lies along the line of sight has too short an image
+        # D >= k²: a measurand that lies along the line of sight has too short an image
         shortest = self._view[8] / math.hypot(self._view[6], self._view[7])
         steepest = math.pi / 2 if shortest == 0 else math.atan(self._length[1] / near / shortest)
         tangents, quarters = (-widest, widest), (0.0, math.pi / 2, math.pi)
@@ -257,7 +255,7 @@ class _Search:
 
 
 def widest_tangent(camera: Camera, limits: ObservationLimits) -> float:
-    """Tangent of the largest angle from the optical axis at which an end of a gauge may be seen."""
+    """Tangent of the largest angle from the optical axis at which an end of a measurand may be seen."""
     return float(_view(camera, limits, False)[11])
 
 
@@ -316,13 +314,13 @@ def _least_by_lens(camera: Camera, steps: NDArray[np.float64]) -> tuple[float, N
 
 
 def _least_location_px(camera: Camera, rims: bool) -> float:
-    """The least standard deviation, px, of the difference of two ends by a sub-pixel locator."""
-    locator = camera.locator
-    if locator is None:
+    """The least standard deviation, px, of the difference of two ends by a sub-pixel edge detector."""
+    edge_detector = camera.edge_detector
+    if edge_detector is None:
         return 0.0
-    own = 2 * locator.noise_px**2
-    if locator.edge_points is not None:
-        own *= line_end_variance(locator.edge_points, locator.clear_of_corner_px)
+    own = 2 * edge_detector.noise_px**2
+    if edge_detector.edge_points is not None:
+        own *= line_end_variance(edge_detector.edge_points, edge_detector.clear_of_corner_px)
         if rims:  # a rim is not longer than pi times the diagonal of the image, nor its fit better than 6/n
-            own = min(own, 6 * locator.noise_px**2 / (math.pi * math.hypot(*camera.resolution)))
-    return math.sqrt(own + (2 * locator.bias_px) ** 2)
+            own = min(own, 6 * edge_detector.noise_px**2 / (math.pi * math.hypot(*camera.resolution)))
+    return math.sqrt(own + (2 * edge_detector.bias_px) ** 2)

@@ -1,23 +1,21 @@
-"""What is proven of a dimension that no candidate measures as surely as required."""
+"""What is proven of a characteristic that no candidate measures as surely as required."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...evaluation import Requirement
+from ...evaluation import Setup
 from ...geometry import PoseError
-from ...part import Dimension
-from ...part.measurand_table import GaugeTable
-from ...sensors import Camera
-from ...visibility import ObservationLimits
+from ...part import Characteristic
+from ...part.measurand_table import MeasurandTable
 from .branch_and_bound import DEFAULT_BUDGET, Bound, Budget, probability_bound
 from .distance_grid import DistanceGrid
 from .eye_region import EyeRegion, reachable_distances
-from .measurand_groups import GaugeGroup, gauge_groups
+from .measurand_groups import MeasurandGroup, measurand_groups
 
 __all__ = ["Certificate", "certify"]
 
@@ -26,21 +24,21 @@ _PLACES = 4  # of a probability in words
 
 @dataclass(frozen=True)
 class Certificate:
-    """An upper bound of a dimension's probability over all camera poses of a region.
+    """An upper bound of a characteristic's probability over all camera poses of a region.
 
     Parameters
     ----------
-    dimension_id
+    characteristic_id
         Whose.
     upper_bound
-        No pose whose centre of projection is in the region measures the dimension more surely.
+        No pose whose centre of projection is in the region measures the characteristic more surely.
     proven
-        The bound is below the required probability: no pose meets the dimension.
+        The bound is below the required probability: no pose meets the characteristic.
     cause
         One sentence: which error alone prevents it, or what of it remains possible.
     """
 
-    dimension_id: str
+    characteristic_id: str
     upper_bound: float
     proven: bool
     cause: str
@@ -52,64 +50,52 @@ class Certificate:
 
 
 def certify(
-    dimension: Dimension,
-    requirement: Requirement,
-    camera: Camera,
-    error: PoseError,
-    limits: ObservationLimits,
+    characteristic: Characteristic,
+    setup: Setup,
     region: EyeRegion,
     *,
     budget: Budget = DEFAULT_BUDGET,
 ) -> Certificate:
-    """Bound the probability of a dimension over a region of eye positions, all ways to turn the camera included.
+    """Bound the probability of a characteristic over a region of eye positions, all ways to turn the camera included.
 
     Of the joint model; occlusion is left out, which only raises the bound.
 
     Parameters
     ----------
-    dimension
-        With at least one gauge and an allowed error under the requirement.
+    characteristic
+        With at least one measurand and an allowed error under the requirement.
     budget
-        Of each of the searches: three for each length of a gauge.
+        Of each of the searches: three for each length of a measurand.
     """
-    gauges = GaugeTable.of([dimension])
-    allowed = requirement.allowed_error_mm(dimension.nominal_mm, dimension.tolerance_mm)
-    if allowed is None:
-        raise ValueError(f"dimension {dimension.id} has no tolerance, which the requirement needs")
+    measurands = MeasurandTable.of([characteristic])
+    allowed, required = setup.allowed_error_mm(characteristic), setup.requirement.probability
     reach = []
-    for group in gauge_groups(gauges.length_mm, np.full(len(gauges), allowed)):
-        distances = reachable_distances(gauges.points[group[0]], gauges.normals[group[0]], region, limits)
+    for group in measurand_groups(measurands.length_mm, np.full(len(measurands), allowed)):
+        distances = reachable_distances(measurands.points[group[0]], measurands.normals[group[0]], region, setup.limits)
         if not distances.empty:
-            reach.append((group, distances, bool(gauges.rim_axis[group[0]].any())))
-    required = requirement.probability
+            reach.append((group, distances, bool(measurands.rim_axis[group[0]].any())))
     if not reach:
-        cause = "from no allowed camera position are faces at both ends of a gauge turned to the camera"
-        return Certificate(dimension.id, 0.0, True, cause)
-    bound = _over_all(reach, camera, error, limits, required, budget)
+        cause = "from no allowed camera position are faces at both ends of a measurand turned to the camera"
+        return Certificate(characteristic.id, 0.0, True, cause)
+    bound = _over_all(reach, setup, budget)
     if bound.upper == 0:
-        cause = "in no allowed pose are both ends of a gauge in the image, in focus and far enough apart"
-        return Certificate(dimension.id, 0.0, True, cause)
+        cause = "in no allowed pose are both ends of a measurand in the image, in focus and far enough apart"
+        return Certificate(characteristic.id, 0.0, True, cause)
     if bound.proves_below(required):
-        ideal_locator, no_error = camera.without_errors, PoseError(np.zeros((6, 6)))
-        pose = _over_all(reach, ideal_locator, error, limits, required, budget)
-        pixels = _over_all(reach, camera, no_error, limits, required, budget)
-        return Certificate(dimension.id, bound.upper, True, _cause(pose, pixels, required))
-    return Certificate(dimension.id, bound.upper, False, _remains(bound, required))
+        pose = _over_all(reach, replace(setup, camera=setup.camera.without_errors), budget)
+        pixels = _over_all(reach, replace(setup, pose_error=PoseError(np.zeros((6, 6)))), budget)
+        return Certificate(characteristic.id, bound.upper, True, _cause(pose, pixels, required))
+    return Certificate(characteristic.id, bound.upper, False, _remains(bound, required))
 
 
 def _over_all(
-    reach: Sequence[tuple[GaugeGroup, DistanceGrid, bool]],
-    camera: Camera,
-    error: PoseError,
-    limits: ObservationLimits,
-    required: float,
+    reach: Sequence[tuple[MeasurandGroup, DistanceGrid, bool]],
+    setup: Setup,
     budget: Budget,
 ) -> Bound:
-    """The highest bound of several groups of gauges."""
+    """The highest bound of several groups of measurands."""
     bounds = [
-        probability_bound(
-            length, tolerance, distances, camera, error, limits, target=required, budget=budget, rims=rims
-        )
+        probability_bound(length, tolerance, distances, setup, budget=budget, rims=rims)
         for (_, length, tolerance), distances, rims in reach
     ]
     best = max(bounds, key=lambda bound: bound.found)
@@ -117,9 +103,9 @@ def _over_all(
 
 
 def _cause(pose: Bound, pixels: Bound, required: float) -> str:
-    """Which error alone keeps the dimension below the required probability, wherever the camera stands."""
+    """Which error alone keeps the characteristic below the required probability, wherever the camera stands."""
     by_pose, by_pixels = pose.proves_below(required), pixels.proves_below(required)
-    at_most_pose = f"even with an ideal edge locator at most {_up(pose.upper)}"
+    at_most_pose = f"even with an ideal edge detector at most {_up(pose.upper)}"
     at_most_pixels = f"even with a head without error at most {_up(pixels.upper)}"
     if by_pose and by_pixels:
         return f"pose error and pixels each prevent it alone: {at_most_pose}, {at_most_pixels}"

@@ -1,7 +1,9 @@
-"""Which pairs of distances of a gauge's ends from the eye can occur: all that a set of eye positions says to the bound.
+"""Which pairs of distances of a measurand's ends from the eye can occur: all that a set of eye positions says to the
+bound.
 
-A gauge and an eye make a triangle, so the two distances fix how the gauge lies to the lines of sight; where the camera
-looks and its roll are free. The pairs are kept as the cells of a square grid, even in the logarithm of the distance.
+A measurand and an eye make a triangle, so the two distances fix how the measurand lies to the lines of sight; where the
+camera acquisitions and its roll are free. The pairs are kept as the cells of a square grid, even in the logarithm of
+the distance.
 """
 
 from __future__ import annotations

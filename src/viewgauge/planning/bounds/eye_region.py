@@ -1,4 +1,4 @@
-"""Where an eye may be: boxes of positions, and what they say of the distances to a gauge's ends."""
+"""Where an eye may be: boxes of positions, and what they say of the distances to a measurand's ends."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .distance_grid import DistanceGrid
 __all__ = ["EyeRegion", "Faces", "distance_range", "first_cell", "halves", "reachable_distances"]
 
 _SAFE = 1e-9  # of the size, against rounding
-_CELLS = 250_000  # of eye positions, shared by the gauges; what is left then counts as reachable
-_FEWEST_CELLS = 25_000  # of each gauge
+_CELLS = 250_000  # of eye positions, shared by the measurands; what is left then counts as reachable
+_FEWEST_CELLS = 25_000  # of each measurand
 _ROUGH_CELLS = 10_000
 _ROUGH_BINS = 96  # of a first look, which only finds the range of the distances
 
@@ -45,7 +45,7 @@ def first_cell(region: EyeRegion) -> tuple[NDArray[np.float64], NDArray[np.float
 
 
 class Faces:
-    """Whether each of g gauges can have, at both ends, a face turned to an eye.
+    """Whether each of g measurands can have, at both ends, a face turned to an eye.
 
     Parameters
     ----------
@@ -102,14 +102,15 @@ def halves(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray
 def reachable_distances(
     points: NDArray[np.float64], normals: NDArray[np.float64], region: EyeRegion, limits: ObservationLimits
 ) -> DistanceGrid:
-    """The pairs of distances at which an allowed eye can be, for any of g gauges with a face turned to it at each end.
+    """The pairs of distances at which an allowed eye can be, for any of g measurands with a face turned to it at each
+    end.
 
     Nothing that can occur is left out; what is in the set may be a little too much, by about a bin.
 
     Parameters
     ----------
     points, normals
-        ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.GaugeTable`.
+        ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.MeasurandTable`.
     """
     low, high = first_cell(region)
     if not len(low):
@@ -118,16 +119,16 @@ def reachable_distances(
     grid = DistanceGrid(float(nearest.min()), float(farthest.max()), _ROUGH_BINS)
     faces = [Faces(points[g : g + 1], normals[g : g + 1], limits) for g in range(len(points))]
     for ends, turned in zip(points, faces, strict=True):
-        _add_gauge(grid, ends, turned, low, high, region, _ROUGH_CELLS)
+        _add_measurand(grid, ends, turned, low, high, region, _ROUGH_CELLS)
     if grid.empty:
         return grid
     grid = DistanceGrid(*grid.range_mm())
     for ends, turned in zip(points, faces, strict=True):
-        _add_gauge(grid, ends, turned, low, high, region, max(_CELLS // len(points), _FEWEST_CELLS))
+        _add_measurand(grid, ends, turned, low, high, region, max(_CELLS // len(points), _FEWEST_CELLS))
     return grid
 
 
-def _add_gauge(
+def _add_measurand(
     grid: DistanceGrid,
     ends: NDArray[np.float64],
     faces: Faces,
@@ -136,7 +137,9 @@ def _add_gauge(
     region: EyeRegion,
     most_cells: int,
 ) -> None:
-    """Mark the pairs of one gauge, by halving boxes of eye positions until they are small, empty or say nothing new."""
+    """Mark the pairs of one measurand, by halving boxes of eye positions until they are small, empty or say nothing
+    new.
+    """
     cells = 0
     while len(low):
         nearest, farthest = distance_range(low, high, ends)

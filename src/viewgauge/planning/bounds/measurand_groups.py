@@ -1,22 +1,22 @@
-"""Gauges of one length and one allowed error: a bound of one is a bound of all."""
+"""Measurands of one length and one allowed error: a bound of one is a bound of all."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GaugeGroup", "gauge_groups"]
+__all__ = ["MeasurandGroup", "measurand_groups"]
 
 _SAME = 1e-6  # relative: closer lengths are bounded together
 
-GaugeGroup = tuple[NDArray[np.int64], tuple[float, float], float]
-"""Indices of the gauges, their least and largest length in mm, and their largest relative tolerance."""
+MeasurandGroup = tuple[NDArray[np.int64], tuple[float, float], float]
+"""Indices of the measurands, their least and largest length in mm, and their largest relative tolerance."""
 
 
-def gauge_groups(length_mm: NDArray[np.float64], allowed_error_mm: NDArray[np.float64]) -> list[GaugeGroup]:
-    """Part gauges ``(g,)`` into groups of about equal length and about equal allowed error."""
+def measurand_groups(length_mm: NDArray[np.float64], allowed_error_mm: NDArray[np.float64]) -> list[MeasurandGroup]:
+    """Part measurands ``(g,)`` into groups of about equal length and about equal allowed error."""
     order = np.lexsort((length_mm, allowed_error_mm))
-    groups: list[GaugeGroup] = []
+    groups: list[MeasurandGroup] = []
     first = 0
     for last in range(1, len(order) + 1):
         if (

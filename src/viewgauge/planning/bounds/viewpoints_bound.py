@@ -1,11 +1,11 @@
-"""How many settings any plan needs at least, wherever in the region its cameras stand.
+"""How many viewpoints any plan needs at least, wherever in the region its cameras stand.
 
-The region of eye positions is parted into cells, and for each cell and viewing direction a set of dimensions is found
-that holds all that can be measured from there (:mod:`cells`). The settings of any plan lie in such cells, so their
-sets cover all dimensions, and no plan has fewer settings than the least cover by the sets. Cells whose sets are part of
-what an actual setting measures need no splitting; of the others those with the largest sets are split, and the bound
-rises. The same holds for what might be measured from the middle of a cell: the bound cannot rise above the least cover
-by such sets, and when it is as high, or a plan at hand is, the search ends.
+The region of eye positions is parted into cells, and for each cell and viewing direction a set of characteristics is
+found that holds all that can be measured from there (:mod:`cells`). The viewpoints of any plan lie in such cells, so
+their sets cover all characteristics, and no plan has fewer viewpoints than the least cover by the sets. Cells whose
+sets are part of what an actual viewpoint measures need no splitting; of the others those with the largest sets are
+split, and the bound rises. The same holds for what might be measured from the middle of a cell: the bound cannot rise
+above the least cover by such sets, and when it is as high, or a plan at hand is, the search ends.
 """
 
 from __future__ import annotations
@@ -16,35 +16,32 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...evaluation import Requirement
-from ...geometry import PoseError
-from ...part import Dimension
-from ...sensors import Camera
-from ...visibility import ObservationLimits
+from ...evaluation import Setup
+from ...part import Characteristic
 from ..cover.dominance import maximal_rows
 from ..cover.minimum_cover import minimum_cover
 from .cells import CellSets
 from .eye_region import EyeRegion, first_cell, halves
 
-__all__ = ["SettingsBound", "settings_lower_bound"]
+__all__ = ["ViewpointsBound", "viewpoints_lower_bound"]
 
 _SPLIT_AT_ONCE = 2048
-_WORK = 400_000_000  # pairs of a cell and a viewing direction with a gauge's end: some 10 s
+_WORK = 400_000_000  # pairs of a cell and a viewing direction with a measurand's end: some 10 s
 _SMALLEST = 1e-4  # of the region's size: cells are not split any more
 _COVER_TIME_S = 5.0
 
 
 @dataclass(frozen=True)
-class SettingsBound:
-    """The least number of settings.
+class ViewpointsBound:
+    """The least number of viewpoints.
 
     Parameters
     ----------
     count
-        No plan in the region measures all dimensions with fewer settings.
+        No plan in the region measures all characteristics with fewer viewpoints.
     apart
-        Ids of ``count`` > 1 dimensions of which no two can be measured from one setting, where such are known; else
-        empty.
+        Ids of ``count`` > 1 characteristics of which no two can be measured from one viewpoint, where such are known;
+        else empty.
     cells
         Cells of eye positions looked into.
     """
@@ -54,35 +51,32 @@ class SettingsBound:
     cells: int
 
 
-def settings_lower_bound(
-    dimensions: Sequence[Dimension],
-    requirement: Requirement,
-    camera: Camera,
-    error: PoseError,
-    limits: ObservationLimits,
+def viewpoints_lower_bound(
+    characteristics: Sequence[Characteristic],
+    setup: Setup,
     region: EyeRegion,
     *,
     attained: NDArray[np.bool_] | None = None,
     enough: int | None = None,
     work: int = _WORK,
-) -> SettingsBound:
-    """Lower bound of the number of settings that measure all dimensions, over the continuous region.
+) -> ViewpointsBound:
+    """Lower bound of the number of viewpoints that measure all characteristics, over the continuous region.
 
     Parameters
     ----------
-    dimensions
+    characteristics
         Those that the plan measures. One that can be measured from nowhere counts for nothing.
     attained
-        ``(n, d)``: what actual settings measure, such as the candidates; spares work.
+        ``(n, d)``: what actual viewpoints measure, such as the candidates; spares work.
     enough
-        Number of settings of a known plan: reached, the bound is as high as it can be.
+        Number of viewpoints of a known plan: reached, the bound is as high as it can be.
     work
-        Pairs of a cell and a viewing direction with an end of a gauge, looked at at most.
+        Pairs of a cell and a viewing direction with an end of a measurand, looked at at most.
     """
-    if not dimensions:
-        return SettingsBound(0, (), 0)
-    sets = CellSets(dimensions, requirement, camera, error, limits, region)
-    known = np.zeros((0, len(dimensions)), dtype=bool) if attained is None else np.asarray(attained, dtype=bool)
+    if not characteristics:
+        return ViewpointsBound(0, (), 0)
+    sets = CellSets(characteristics, setup, region)
+    known = np.zeros((0, len(characteristics)), dtype=bool) if attained is None else np.asarray(attained, dtype=bool)
     low, high = first_cell(region)
     smallest = _SMALLEST * float((high - low).max(initial=0.0))
     found = _Cells.of(sets, low, high)
@@ -107,12 +101,12 @@ def settings_lower_bound(
         looked_into += len(halved[0])
         found = found.part(~np.isin(found.owner, split)).joined(_Cells.of(sets, *halved))
     apart = _apart(rows, best) if best > 1 else []
-    return SettingsBound(best, tuple(dimensions[j].id for j in apart), looked_into)
+    return ViewpointsBound(best, tuple(characteristics[j].id for j in apart), looked_into)
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Cells ``(n, 3)`` to ``(n, 3)`` mm, and m sets ``(m, d)`` of dimensions, each of the cell ``owner``."""
+    """Cells ``(n, 3)`` to ``(n, 3)`` mm, and m sets ``(m, d)`` of characteristics, each of the cell ``owner``."""
 
     low: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -163,7 +157,7 @@ def _least_cover(sets: NDArray[np.bool_]) -> int:
 
 
 def _apart(sets: NDArray[np.bool_], count: int) -> list[int]:
-    """``count`` dimensions of which no two are in one set, if they are found; else none."""
+    """``count`` characteristics of which no two are in one set, if they are found; else none."""
     together = sets.T.astype(np.float32) @ sets.astype(np.float32) > 0
     measurable = np.flatnonzero(together.diagonal())
     for first in measurable:

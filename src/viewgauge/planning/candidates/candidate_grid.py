@@ -1,4 +1,4 @@
-"""Candidate sensor settings, sampled around the part."""
+"""Candidate viewpoints, sampled around the part."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ __all__ = ["CandidateGrid", "default_distance_range", "spread_directions"]
 
 _GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 
-# Default distances, as multiples of the one at which all gauges just fill the narrower field of view: nearer
-# views see fewer gauges, and those larger.
+# Default distances, as multiples of the one at which all measurands just fill the narrower field of view: nearer
+# views see fewer measurands, and those larger.
 _DEFAULT_RANGE = (0.5, 1.25)
 # With an aperture, as multiples of the focus distance.
 _DEFAULT_RANGE_IN_FOCUS = (0.85, 1.15)
@@ -45,13 +45,13 @@ def spread_directions(
     return np.asarray((radius * np.cos(turn))[:, None] * x + (radius * np.sin(turn))[:, None] * y + height[:, None] * z)
 
 
-def default_distance_range(gauge_points: NDArray[np.float64], camera: Camera) -> tuple[float, float]:
-    """(nearest, farthest) distance, mm, that suits gauges with these end points ``(n, 3)`` mm."""
+def default_distance_range(measurand_points: NDArray[np.float64], camera: Camera) -> tuple[float, float]:
+    """(nearest, farthest) distance, mm, that suits measurands with these end points ``(n, 3)`` mm."""
     if camera.focus_distance_mm is not None:
         near, far = (factor * camera.focus_distance_mm for factor in _DEFAULT_RANGE_IN_FOCUS)
         return near, far
-    centre = (gauge_points.min(axis=0) + gauge_points.max(axis=0)) / 2
-    radius = float(np.linalg.norm(gauge_points - centre, axis=1).max())
+    centre = (measurand_points.min(axis=0) + measurand_points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(measurand_points - centre, axis=1).max())
     fitting = radius / np.sin(min(camera.half_field_of_view_rad))
     near, far = (factor * fitting for factor in _DEFAULT_RANGE)
     return near, far
@@ -60,13 +60,13 @@ def default_distance_range(gauge_points: NDArray[np.float64], camera: Camera) ->
 class CandidateGrid:
     """Candidate camera poses around the part, made when they are asked for: their number costs no memory.
 
-    Every combination of a point aimed at (the centre of the gauges and the centres of clusters of gauges), a
+    Every combination of a point aimed at (the centre of the measurands and the centres of clusters of measurands), a
     distance, a direction and a roll. Poses whose camera would stand where it must not are left out.
 
     Parameters
     ----------
-    gauge_points
-        ``(g, 2, 3)`` mm: ends of the gauges, part frame.
+    measurand_points
+        ``(g, 2, 3)`` mm: ends of the measurands, part frame.
 
     Raises
     ------
@@ -75,10 +75,10 @@ class CandidateGrid:
     """
 
     def __init__(
-        self, gauge_points: NDArray[np.float64], mesh: Mesh, camera: Camera, options: CandidateOptions, seed: int
+        self, measurand_points: NDArray[np.float64], mesh: Mesh, camera: Camera, options: CandidateOptions, seed: int
     ) -> None:
-        near, far = options.distance_mm or default_distance_range(gauge_points.reshape(-1, 3), camera)
-        self._targets = _targets(gauge_points, options.targets, seed)
+        near, far = options.distance_mm or default_distance_range(measurand_points.reshape(-1, 3), camera)
+        self._targets = _targets(measurand_points, options.targets, seed)
         self._distances = np.geomspace(near, far, options.distances)
         if options.distances == 1:
             self._distances = np.array([np.sqrt(near * far)])
@@ -90,7 +90,7 @@ class CandidateGrid:
         self._inside = self._left_out(options.bounded)
         if not len(self):
             raise NoCandidateError(
-                f"no candidate setting is left: at distances of {near:.4g} to {far:.4g} mm {self._why_none()}"
+                f"no candidate viewpoint is left: at distances of {near:.4g} to {far:.4g} mm {self._why_none()}"
             )
 
     def __len__(self) -> int:
@@ -138,11 +138,11 @@ class CandidateGrid:
         )
 
 
-def _targets(gauge_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:
-    """Points to aim at ``(1 + k, 3)`` mm: the middle of all gauges, and k centres of clusters of gauges."""
-    ends = gauge_points.reshape(-1, 3)
+def _targets(measurand_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:
+    """Points to aim at ``(1 + k, 3)`` mm: the middle of all measurands, and k centres of clusters of measurands."""
+    ends = measurand_points.reshape(-1, 3)
     middle = np.asarray((ends.min(axis=0) + ends.max(axis=0)) / 2)
-    midpoints = np.unique(gauge_points.mean(axis=1).round(9), axis=0)
+    midpoints = np.unique(measurand_points.mean(axis=1).round(9), axis=0)
     k = min(clusters, len(midpoints))
     if k == 0:
         return middle[None]

@@ -18,7 +18,7 @@ __all__ = ["CandidateOptions"]
 
 @dataclass(frozen=True)
 class CandidateOptions:
-    """How candidate sensor settings are sampled around the part.
+    """How candidate viewpoints are sampled around the part.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class CandidateOptions:
     rolls
         Number of turns about the optical axis, spread evenly over half a turn.
     targets
-        Number of points aimed at beside the part's centre (clusters of gauges).
+        Number of points aimed at beside the part's centre (clusters of measurands).
     cone_axis, cone_half_angle_rad
         Only directions (from the part to the camera) within this angle of this axis, part frame.
     box, forbidden

@@ -1,4 +1,4 @@
-"""From which directions one dimension is measured, and how surely."""
+"""From which directions one characteristic is measured, and how surely."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ __all__ = ["DirectionMap", "map_directions"]
 
 @dataclass(frozen=True)
 class DirectionMap:
-    """How surely a dimension is measured by a camera that looks at its middle from all around.
+    """How surely a characteristic is measured by a camera that looks at its middle from all around.
 
     Parameters
     ----------
-    dimension
+    characteristic
         Its id.
     target_mm, distance_mm
         ``(3,)`` mm, part frame: what is looked at; and from how far.
@@ -35,7 +35,7 @@ class DirectionMap:
         ``(n, 4, 4)`` mm: the poses of these probabilities.
     """
 
-    dimension: str
+    characteristic: str
     target_mm: NDArray[np.float64]
     distance_mm: float
     directions: NDArray[np.float64]
@@ -45,25 +45,25 @@ class DirectionMap:
 
 
 def map_directions(evaluator: Evaluator, distance_mm: float, *, directions: int = 900, rolls: int = 2) -> DirectionMap:
-    """The map of the evaluator's only dimension from one distance.
+    """The map of the evaluator's only characteristic from one distance.
 
     Parameters
     ----------
     rolls
         Turns about the optical axis that are tried, spread over half a turn.
     """
-    (dimension,) = evaluator.dimensions
-    target = np.mean([(gauge.start + gauge.end) / 2 for gauge in dimension.gauges], axis=0)
+    (characteristic,) = evaluator.characteristics
+    target = np.mean([(measurand.start + measurand.end) / 2 for measurand in characteristic.measurands], axis=0)
     sphere = spread_directions(directions)
     eyes = np.repeat(target + distance_mm * sphere, rolls, axis=0)
     poses = look_at(eyes, np.broadcast_to(target, eyes.shape), np.tile(np.arange(rolls) * np.pi / rolls, directions))
     table = evaluator.table(poses)
     probability = table.probability[:, 0].reshape(directions, rolls)
-    # of rolls that see it the surest; of those that do not the one that fails last
+    # of rolls that see it the most probable; of those that do not the one that fails last
     best = np.argmax(probability + table.reason[:, 0].reshape(directions, rolls), axis=1)
     rows = np.arange(directions) * rolls + best
     return DirectionMap(
-        dimension.id,
+        characteristic.id,
         target,
         distance_mm,
         sphere,

@@ -1,10 +1,10 @@
-"""Settings that no other makes needless, kept while candidates stream by."""
+"""Viewpoints that no other makes needless, kept while candidates stream by."""
 
-# Why a dominated setting is not needed, and why the order of arrival does not matter.
+# Why a dominated viewpoint is not needed, and why the order of arrival does not matter.
 #
 # Row i holds levels a_i (0 = not accepted); b_i is a_i where certain and 0 elsewhere, so b_i <= a_i. Write i <= j,
-# "i is dominated by j", for a_i <= b_j in every dimension. This is transitive: a_i <= b_j <= a_j <= b_k. If i <= j and
-# j <= i then a_i <= b_j <= a_j <= b_i <= a_i, so the two are equal and without doubt. Hence
+# "i is dominated by j", for a_i <= b_j in every characteristic. This is transitive: a_i <= b_j <= a_j <= b_k. If i <= j
+# and j <= i then a_i <= b_j <= a_j <= b_i <= a_i, so the two are equal and without doubt. Hence
 #     i < j  iff  i <= j, and (not j <= i, or j has the lower index)
 # is a strict order: it is irreflexive, and if i < j < k then i <= k; would k <= i hold too, all three were equal and
 # certain, their indices falling from i over j to k, so i < k in either case. Kept are its maximal elements.
@@ -16,10 +16,10 @@
 #
 # The cover. Lower any doubtful levels: a' <= a, with a' = a where certain, so b <= a'. If i <= j then
 # a'_i <= a_i <= b_j <= a'_j. For a set C of rows let C* have in the place of each removed row a kept one above it.
-# Then |C*| <= |C|, and in each dimension the best level of C*, after the lowering, is at least that of C. So for every
-# threshold t a set of k rows that reaches t in every dimension exists among the kept if it exists at all. With t = 1:
-# the least number K is unchanged. With k = K and each t: so is the best weakest level of K settings. A row of zeros
-# adds to no cover.
+# Then |C*| <= |C|, and in each characteristic the best level of C*, after the lowering, is at least that of C. So for
+# every threshold t a set of k rows that reaches t in every characteristic exists among the kept if it exists at all.
+# With t = 1: the least number K is unchanged. With k = K and each t: so is the best weakest level of K viewpoints. A
+# row of zeros adds to no cover.
 
 from __future__ import annotations
 
@@ -49,20 +49,20 @@ _compiled: Callable[[Any], Any] = numba.njit(cache=True, nogil=True)
 def probability_levels(probability: NDArray[np.float64], required: float, candidates: int = 0) -> NDArray[np.uint16]:
     r"""How sure, in steps: 0 where it misses what is required, else :math:`\max(1, \lfloor p / step \rfloor)`.
 
-    The steps are of 1e-4: the model agrees with the exact camera to 1.5e-4, so a finer comparison of two settings
-    means nothing. The fewer levels differ, the more settings are found needless; of very many candidates almost none
-    would be, and the search for needless ones, not the evaluation, would take the time. So of more than 100,000 the
-    steps are a fiftieth of what lies between the requirement and certainty, of more than a million a tenth, and never
-    finer. The least number of settings does not depend on the steps; the weakest dimension's probability is the best
-    to within one. Of two probabilities the greater never has the lower level. Whatever is at least ``required`` has
-    level 1 at least, however low the requirement.
+    The steps are of 1e-4: the model agrees with the full camera model to 1.5e-4, so a finer comparison of two
+    viewpoints means nothing. The fewer levels differ, the more viewpoints are found needless; of very many candidates
+    almost none would be, and the search for needless ones, not the evaluation, would take the time. So of more than
+    100,000 the steps are a fiftieth of what lies between the requirement and certainty, of more than a million a tenth,
+    and never finer. The least number of viewpoints does not depend on the steps; the weakest characteristic's
+    probability is the best to within one. Of two probabilities the greater never has the lower level. Whatever is at
+    least ``required`` has level 1 at least, however low the requirement.
 
     Parameters
     ----------
     probability
         ``(...)``, in [0, 1].
     candidates
-        Number of settings among which the choice is.
+        Number of viewpoints among which the choice is.
     """
     shares = next((shares for most, shares in _SHARES if candidates <= most), _FEWEST_SHARES)
     step = 1 / LEVELS if shares is None else max(1 / LEVELS, (1 - required) / shares)
@@ -72,42 +72,42 @@ def probability_levels(probability: NDArray[np.float64], required: float, candid
 
 
 class Undominated:
-    """The settings that a least and surest cover may need, of all that were added.
+    """The viewpoints that a least and most probable cover may need, of all that were added.
 
-    A setting is needless if one other is, in every dimension and beyond doubt, at least as sure; of equal ones
-    without doubt the lowest index stays, and what accepts nothing is dropped. The least number of settings that
-    cover every dimension stays the same, and so does the best level that the weakest dimension can have in such a
-    cover, also when doubtful levels turn out lower (proof at the head of this file). What is kept depends neither
-    on the order in which settings arrive nor on how they are parted or merged.
+    A viewpoint is needless if one other is, in every characteristic and beyond doubt, at least as sure; of equal ones
+    without doubt the lowest index stays, and what accepts nothing is dropped. The least number of viewpoints that
+    cover every characteristic stays the same, and so does the best level that the weakest characteristic can have in
+    such a cover, also when doubtful levels turn out lower (proof at the head of this file). What is kept depends
+    neither on the order in which viewpoints arrive nor on how they are parted or merged.
 
-    An index names one setting: repeated with the same levels it counts once, met with different ones it is refused.
+    An index names one viewpoint: repeated with the same levels it counts once, met with different ones it is refused.
 
     Parameters
     ----------
-    dimensions
-        Number of dimensions d of a row.
+    characteristics
+        Number of characteristics d of a row.
     """
 
-    def __init__(self, dimensions: int) -> None:
+    def __init__(self, characteristics: int) -> None:
         self._rows = _Rows.of(
-            np.zeros(0, np.int64), np.zeros((0, dimensions), np.uint16), np.zeros((0, dimensions), np.bool_)
+            np.zeros(0, np.int64), np.zeros((0, characteristics), np.uint16), np.zeros((0, characteristics), np.bool_)
         )
-        self._dimensions = dimensions
+        self._characteristics = characteristics
 
     def add(self, index: NDArray[np.int64], level: NDArray[np.uint16], certain: NDArray[np.bool_]) -> None:
-        """Take in m settings.
+        """Take in m viewpoints.
 
         Parameters
         ----------
         index
-            ``(m,)``, names of the settings.
+            ``(m,)``, names of the viewpoints.
         level
             ``(m, d)``, 0 where not accepted, else the higher the surer.
         certain
             ``(m, d)``: False where the level may yet turn out lower, never higher.
         """
         index, level, certain = np.asarray(index), np.asarray(level), np.asarray(certain)
-        expected = (len(index), self._dimensions)
+        expected = (len(index), self._characteristics)
         if level.shape != expected or certain.shape != expected:
             raise ValueError(f"level {level.shape} and certain {certain.shape} should both have the shape {expected}")
         if level.dtype != np.uint16 or certain.dtype != np.bool_:
@@ -117,8 +117,8 @@ class Undominated:
 
     def merge(self, other: Undominated) -> None:
         """Take in what another has kept."""
-        if other._dimensions != self._dimensions:
-            raise ValueError(f"{other._dimensions} dimensions cannot be merged into {self._dimensions}")
+        if other._characteristics != self._characteristics:
+            raise ValueError(f"{other._characteristics} characteristics cannot be merged into {self._characteristics}")
         self._take(other._rows)
 
     def _take(self, new: _Rows) -> None:
@@ -153,7 +153,7 @@ def maximal_rows(level: NDArray[np.uint16] | NDArray[np.bool_]) -> NDArray[np.in
 
 @dataclass(frozen=True)
 class _Rows:
-    """Settings in falling order of (sum of certain levels, sum of levels), then by index: dominators come first.
+    """Viewpoints in falling order of (sum of certain levels, sum of levels), then by index: dominators come first.
 
     i <= j means a_i <= b_j, so sum b_i <= sum a_i <= sum b_j <= sum a_j: the dominator has no smaller sum. Are the
     sums of b equal, then a_i = b_j, and j comes first by its sum of levels or, being equal to i, by its index.
@@ -232,7 +232,7 @@ def _pivots(rows: _Rows) -> NDArray[np.uint16]:
 
 @_compiled
 def _masks(values: Any, pivots: Any) -> Any:
-    """Bit masks ``(words, n)`` of the dimensions that reach each pivot."""
+    """Bit masks ``(words, n)`` of the characteristics that reach each pivot."""
     rows, columns = values.shape
     words = (columns + 63) // 64
     masks = np.zeros((pivots.shape[0] * words, rows), np.uint64)

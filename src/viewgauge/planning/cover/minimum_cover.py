@@ -1,13 +1,13 @@
-"""The fewest settings that cover every dimension: exact minimum set cover.
+"""The fewest viewpoints that cover every characteristic: exact minimum set cover.
 
 What the exact reductions leave is parted into independent components. Each is bracketed between a greedy cover and the
 price bound below; a gap is closed by a depth-first search of limited work and, where that is not enough, by HiGHS.
 
-*Price bound*: give each dimension j a whole price p_j >= 0, and let S be the highest price of what one setting holds.
-A cover by k settings pays for everything, so ``sum p <= k S``. The best prices are the dual solution of the linear
-relaxation; rounded to whole numbers they bound without any tolerance. With at most K settings allowed, a setting r is
-in no cover if what it leaves is too dear for the others: ``sum p - p(r) > (K - 1) S``. (Caprara, Toth, Fischetti 2000,
-Algorithms for the set covering problem, Annals of Operations Research 98, sections 2 and 3.)
+*Price bound*: give each characteristic j a whole price p_j >= 0, and let S be the highest price of what one viewpoint
+holds. A cover by k viewpoints pays for everything, so ``sum p <= k S``. The best prices are the dual solution of the
+linear relaxation; rounded to whole numbers they bound without any tolerance. With at most K viewpoints allowed, a
+viewpoint r is in no cover if what it leaves is too dear for the others: ``sum p - p(r) > (K - 1) S``. (Caprara, Toth,
+Fischetti 2000, Algorithms for the set covering problem, Annals of Operations Research 98, sections 2 and 3.)
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from .cover_search import descend
 from .dominance import maximal_rows
 
-__all__ = ["Cover", "minimum_cover", "surest_minimum_cover"]
+__all__ = ["Cover", "minimum_cover", "most_probable_minimum_cover"]
 
 DEFAULT_TIME_LIMIT_S = 60.0
-"""Longest search for the fewest settings, and again for the surest among them. Real parts take well under a
+"""Longest search for the fewest viewpoints, and again for the most probable among them. Real parts take well under a
 second; a search that is cut off says so by its gap, and only then may two runs differ."""
 
 _SEARCH_STEPS = 200_000_000  # of one depth-first search, about 2 s; counted, not timed, so that two runs agree
@@ -33,7 +33,7 @@ _PRICE_UNIT = 1 << 30  # the price that stands for 1 in the linear relaxation
 
 @dataclass(frozen=True)
 class Cover:
-    """Chosen settings (ascending indices) and the proven lower bound of their number."""
+    """Chosen viewpoints (ascending indices) and the proven lower bound of their number."""
 
     chosen: tuple[int, ...]
     lower_bound: int
@@ -45,7 +45,7 @@ class Cover:
 
 
 def minimum_cover(accepted: NDArray[np.bool_], time_limit_s: float = DEFAULT_TIME_LIMIT_S) -> Cover:
-    """Fewest rows of ``accepted`` (n settings, d dimensions) whose union holds every column.
+    """Fewest rows of ``accepted`` (n viewpoints, d characteristics) whose union holds every column.
 
     Every column must be held by some row (ValueError otherwise). The cover depends on the set of rows alone, not on
     their order; of equal rows it has the first. When the time is up the best cover so far is returned with the bound
@@ -57,24 +57,24 @@ def minimum_cover(accepted: NDArray[np.bool_], time_limit_s: float = DEFAULT_TIM
     return Cover(tuple(sorted(rows[chosen].tolist())), bound)
 
 
-def surest_minimum_cover(
+def most_probable_minimum_cover(
     level: NDArray[np.uint16], time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0
 ) -> Cover:
-    """Among the covers of least size the one whose weakest dimension is surest.
+    """Among the covers of least size the one whose weakest characteristic is most probable.
 
-    A setting covers a dimension at which its level is not 0. The highest threshold at which a cover of the least
+    A viewpoint covers a characteristic at which its level is not 0. The highest threshold at which a cover of the least
     size still exists is found by bisection over the levels that occur. The cover depends on the set of rows alone,
     not on their order; of equal rows it has the first.
 
     Parameters
     ----------
     level
-        ``(n, d)``: settings by dimensions, 0 = not accepted, else the higher the surer; each dimension above 0
-        somewhere (ValueError otherwise).
+        ``(n, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the surer; each characteristic
+        above 0 somewhere (ValueError otherwise).
     time_limit_s
-        Of the search for the fewest, and again of that for the surest; when it is up, the best so far.
+        Of the search for the fewest, and again of that for the most probable; when it is up, the best so far.
     gap
-        The search for the fewest ends when the lower bound is within this share of the number of settings.
+        The search for the fewest ends when the lower bound is within this share of the number of viewpoints.
     """
     _require_cover(level > 0)
     rows = _in_order_of_content(level)
@@ -83,7 +83,7 @@ def surest_minimum_cover(
         return Cover((), 0)
     deadline = time.monotonic() + time_limit_s
     best = rows[chosen]
-    # a threshold above the best of some dimension has no cover; at or below the cover at hand nothing is gained
+    # a threshold above the best of some characteristic has no cover; at or below the cover at hand nothing is gained
     thresholds = np.unique(level[level <= level.max(axis=0).min()])
     low, high = int(np.searchsorted(thresholds, _weakest(level[best]), side="right")), len(thresholds)
     while low < high and time.monotonic() < deadline:
@@ -102,7 +102,7 @@ def surest_minimum_cover(
 
 def _require_cover(accepted: NDArray[np.bool_]) -> None:
     if not accepted.any(axis=0).all():
-        raise ValueError("a dimension is accepted from no setting")
+        raise ValueError("a characteristic is accepted from no viewpoint")
 
 
 def _weakest(level: NDArray[np.uint16]) -> int:

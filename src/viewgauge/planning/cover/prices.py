@@ -1,26 +1,26 @@
-"""What each dimension is worth to a smaller plan: the dual of the linear relaxation of the set cover."""
+"""What each characteristic is worth to a smaller plan: the dual of the linear relaxation of the set cover."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["dimension_prices"]
+__all__ = ["characteristic_prices"]
 
 _OF_ITS_OWN = 2.0
-"""What a dimension costs that no setting measures: more than a setting, so that one is looked for."""
+"""What a characteristic costs that no viewpoint measures: more than a viewpoint, so that one is looked for."""
 
 
-def dimension_prices(holds: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
-    """Prices ``(d,)`` of the dimensions, and their sum: the least number of settings, fractions allowed.
+def characteristic_prices(holds: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
+    """Prices ``(d,)`` of the characteristics, and their sum: the least number of viewpoints, fractions allowed.
 
-    No setting holds dimensions worth more than 1 together; a new one that does is what can make a plan smaller (column
-    generation: Desrosiers and Lübbecke, *A Primer in Column Generation*, 2005).
+    No viewpoint holds characteristics worth more than 1 together; a new one that does is what can make a plan smaller
+    (column generation: Desrosiers and Lübbecke, *A Primer in Column Generation*, 2005).
 
     Parameters
     ----------
     holds
-        ``(m, d)``: which setting measures which dimension.
+        ``(m, d)``: which viewpoint measures which characteristic.
     """
     from scipy.optimize import linprog  # slow to import
     from scipy.sparse import csr_array, eye_array, hstack

@@ -1,4 +1,4 @@
-"""The order in which settings are visited: the shortest closed tour, and the cover that makes it short."""
+"""The order in which viewpoints are visited: the shortest closed tour, and the cover that makes it short."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 __all__ = ["least_travel", "shortest_tour", "tour_length_mm"]
 
 _MOST_EXACT = 12
-"""Settings up to which the shortest tour is found exactly (Held and Karp 1962); 2^11 sets of 11 ends at the most."""
+"""Viewpoints up to which the shortest tour is found exactly (Held and Karp 1962); 2^11 sets of 11 ends at the most."""
 
 
 def tour_length_mm(positions: NDArray[np.float64], order: tuple[int, ...]) -> float:
@@ -33,16 +33,16 @@ def shortest_tour(positions: NDArray[np.float64]) -> tuple[tuple[int, ...], bool
 
 
 def least_travel(level: NDArray[np.uint16], positions: NDArray[np.float64], chosen: tuple[int, ...]) -> tuple[int, ...]:
-    """A cover as good as the chosen one, with a shorter tour where exchanging one setting at a time finds one.
+    """A cover as good as the chosen one, with a shorter tour where exchanging one viewpoint at a time finds one.
 
     Parameters
     ----------
     level
-        ``(k, d)``: settings by dimensions, 0 = not accepted, else the higher the surer.
+        ``(k, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the surer.
     positions
         ``(k, 3)`` mm.
     chosen
-        Rows that cover every dimension; the weakest dimension's level is kept, and so is their number.
+        Rows that cover every characteristic; the weakest characteristic's level is kept, and so is their number.
     """
     best = list(chosen)
     if len(best) < 2:
@@ -66,7 +66,7 @@ def least_travel(level: NDArray[np.uint16], positions: NDArray[np.float64], chos
     return tuple(sorted(best))
 
 
-_TRIED = 32  # settings near to the others that are tried in the place of one
+_TRIED = 32  # viewpoints near to the others that are tried in the place of one
 
 
 def _tour(positions: NDArray[np.float64]) -> float:

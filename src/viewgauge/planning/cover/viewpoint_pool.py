@@ -1,4 +1,4 @@
-"""Settings to choose from, with what each measures."""
+"""Viewpoints to choose from, with what each measures."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dominance import maximal_rows, probability_levels
-from .minimum_cover import Cover, surest_minimum_cover
+from .minimum_cover import Cover, most_probable_minimum_cover
 
-__all__ = ["SettingPool"]
+__all__ = ["ViewpointPool"]
 
 
 @dataclass(frozen=True)
-class SettingPool:
-    """Settings and how surely each measures each dimension.
+class ViewpointPool:
+    """Viewpoints and how surely each measures each characteristic.
 
     Parameters
     ----------
     T_part_camera
         ``(m, 4, 4)`` mm.
     probability
-        ``(m, d)``, 0 where a dimension is not seen.
+        ``(m, d)``, 0 where a characteristic is not seen.
     """
 
     T_part_camera: NDArray[np.float64]
@@ -31,40 +31,40 @@ class SettingPool:
     def __len__(self) -> int:
         return len(self.T_part_camera)
 
-    def joined(self, other: SettingPool) -> SettingPool:
-        """The settings of both, those of this one first."""
-        return SettingPool(
+    def joined(self, other: ViewpointPool) -> ViewpointPool:
+        """The viewpoints of both, those of this one first."""
+        return ViewpointPool(
             np.concatenate([self.T_part_camera, other.T_part_camera]),
             np.concatenate([self.probability, other.probability]),
         )
 
-    def taken(self, rows: NDArray[np.int64]) -> SettingPool:
-        """Some of the settings."""
-        return SettingPool(self.T_part_camera[rows], self.probability[rows])
+    def taken(self, rows: NDArray[np.int64]) -> ViewpointPool:
+        """Some of the viewpoints."""
+        return ViewpointPool(self.T_part_camera[rows], self.probability[rows])
 
     def best(self) -> NDArray[np.float64]:
-        """``(d,)``: of each dimension the highest probability."""
+        """``(d,)``: of each characteristic the highest probability."""
         return np.asarray(self.probability.max(axis=0, initial=0.0))
 
     def reached(self, required: float) -> NDArray[np.int64]:
-        """Indices of the dimensions that some setting measures as surely as required."""
+        """Indices of the characteristics that some viewpoint measures as surely as required."""
         return np.flatnonzero(self.best() >= required)
 
     def weakest(self, required: float) -> float:
-        """The probability of the least sure of the dimensions that are met; 1 where there is none."""
+        """The probability of the least sure of the characteristics that are met; 1 where there is none."""
         best = self.best()
         return float(best[best >= required].min(initial=1.0))
 
     def measured_from(self) -> NDArray[np.int64]:
-        """``(d,)``: the row that measures each dimension the surest (the first of equal ones)."""
+        """``(d,)``: the row that measures each characteristic the most probable (the first of equal ones)."""
         return np.asarray(self.probability.argmax(axis=0))
 
     def worthwhile(self, required: float) -> NDArray[np.int64]:
         """Rows that no other makes needless, ascending."""
         return maximal_rows(probability_levels(self.probability, required))
 
-    def surest_cover(self, required: float, time_limit_s: float, gap: float = 0.0) -> tuple[SettingPool, int]:
-        """The fewest settings that measure all that is reached, of those the surest; and the lower bound."""
+    def most_probable_cover(self, required: float, time_limit_s: float, gap: float = 0.0) -> tuple[ViewpointPool, int]:
+        """The fewest viewpoints that measure all that is reached, of those the most probable; and the lower bound."""
         level = probability_levels(self.probability[:, self.reached(required)], required)
-        cover: Cover = surest_minimum_cover(level, time_limit_s, gap)
+        cover: Cover = most_probable_minimum_cover(level, time_limit_s, gap)
         return self.taken(np.array(cover.chosen, dtype=np.int64)), cover.lower_bound

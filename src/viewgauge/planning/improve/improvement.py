@@ -1,18 +1,20 @@
-"""What to improve, as results: for dimensions and the part the least change of one thing, and what trades for what."""
+"""What to improve, as results: for characteristics and the part the least change of one thing, and what trades for
+what.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...part import Unusable
+from ...part import NotMeasurable
 from .catalogue import SensorFormat
 
-__all__ = ["CameraChoice", "Change", "DimensionChanges", "Improvement", "Specification", "TradeOff"]
+__all__ = ["CameraChoice", "Change", "CharacteristicChanges", "Improvement", "Specification", "TradeOff"]
 
 
 @dataclass(frozen=True)
 class Change:
-    """The least change of one thing, all else as today, with which a dimension or the part is met.
+    """The least change of one thing, all else as today, with which a characteristic or the part is met.
 
     Parameters
     ----------
@@ -26,11 +28,11 @@ class Change:
     unlimited
         It is still met at 1024 times the error, or at the longest or shortest that was tried.
     best_probability
-        Of a dimension where no factor will do: how sure it is without the error. None else.
+        Of a characteristic where no factor will do: how sure it is without the error. None else.
     verified
         Evaluated afresh: met at the answer, and not met 0.1 % beyond it.
     limited_by
-        The dimensions that are met no further, or those for which no factor will do, where it is said.
+        The characteristics that are met no further, or those for which no factor will do, where it is said.
     """
 
     factor: float | None
@@ -43,8 +45,8 @@ class Change:
 
 
 @dataclass(frozen=True)
-class DimensionChanges:
-    """A dimension today, and for each knob the least change."""
+class CharacteristicChanges:
+    """A characteristic today, and for each knob the least change."""
 
     id: str
     met: bool
@@ -60,7 +62,7 @@ class TradeOff:
     """
 
     pixel_px: float
-    head_factor: float | None
+    pose_error_factor: float | None
     translation_mm: float | None
     rotation_deg: float | None
     verified: bool
@@ -75,20 +77,20 @@ class Improvement:
     today
         Of each knob its value.
     part
-        For all dimensions together, but for ``left_out``.
+        For all characteristics together, but for ``left_out``.
     left_out
-        Dimensions that are not met even without any pixel and head error: what the camera sees is in the way.
-    settings
+        Characteristics that are not met even without any pixel and head error: what the camera sees is in the way.
+    viewpoints
         How many were tried: the candidates, and what refining found.
     """
 
     today: dict[str, float]
-    dimensions: tuple[DimensionChanges, ...]
+    characteristics: tuple[CharacteristicChanges, ...]
     part: dict[str, Change]
     trade_off: tuple[TradeOff, ...]
     left_out: tuple[str, ...]
-    unusable: tuple[Unusable, ...]
-    settings: int
+    not_measurable: tuple[NotMeasurable, ...]
+    viewpoints: int
 
 
 @dataclass(frozen=True)
@@ -100,31 +102,31 @@ class CameraChoice:
     distance_mm
         (nearest, farthest) that the candidates look from.
     met
-        How many dimensions are met with the head of today.
+        How many characteristics are met with the head of today.
     head
-        The largest factor of the head's errors with which the part is met; ``limited_by`` those dimensions for which
-        not even a head without error will do.
+        The largest factor of the head's errors with which the part is met; ``limited_by`` those characteristics for
+        which not even a head without error will do.
     translation_mm, rotation_deg
         The largest standard deviations with that factor; None where no head will do, or where it has no error today.
     pixel
-        With the head of today the coarsest step of the edge locator, px, with which the part is met; None where the
-        locator is ideal today.
+        With the head of today the coarsest step of the edge detector, px, with which the part is met; None where the
+        edge detector is ideal today.
     """
 
     sensor: SensorFormat
     focal_length_mm: float
     distance_mm: tuple[float, float]
     met: int
-    head: Change
+    pose_error: Change
     translation_mm: float | None
     rotation_deg: float | None
     pixel: Change | None
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """A head that may be worse, then more dimensions met, then a coarser locator: the best highest."""
+        """A head that may be worse, then more characteristics met, then a coarser edge_detector: the best highest."""
         coarsest = 0.0 if self.pixel is None else self.pixel.factor or 0.0
-        return (-1.0 if self.head.factor is None else self.head.factor, self.met, coarsest)
+        return (-1.0 if self.pose_error.factor is None else self.pose_error.factor, self.met, coarsest)
 
 
 @dataclass(frozen=True)
@@ -135,13 +137,13 @@ class Specification:
     ----------
     choices
         Of every sensor and focal length for which there is a place to stand; fewest pixels, then shortest lens first.
-    dimensions
+    characteristics
         How many there are to be met.
     """
 
     choices: tuple[CameraChoice, ...]
-    dimensions: int
-    unusable: tuple[Unusable, ...]
+    characteristics: int
+    not_measurable: tuple[NotMeasurable, ...]
 
     @property
     def best(self) -> tuple[CameraChoice, ...]:
@@ -156,4 +158,4 @@ class Specification:
     @property
     def smallest(self) -> CameraChoice | None:
         """The camera of the fewest pixels with which the part is met with the head of today; None where none is."""
-        return next((c for c in self.best if c.head.factor is not None and c.head.factor >= 1), None)
+        return next((c for c in self.best if c.pose_error.factor is not None and c.pose_error.factor >= 1), None)

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...evaluation import Requirement
+from ...evaluation import Requirement, Setup
 from ...exceptions import InputError
-from ...geometry import PoseError
 from ...sensors import Camera
-from .knobs import KNOBS, SetUp, scaled_head
+from .knobs import KNOBS, Rig, scaled_pose_error
 
 __all__ = ["KnobValues", "moved_along_axis", "with_pixel_pitch"]
 
@@ -26,11 +25,11 @@ class KnobValues:
     pixel_pitch_mm
         Width of a pixel; on a sensor of the same size.
     edge_px
-        Step of the edge locator, or its noise (the larger of noise and offset, which go together), px.
+        Step of the edge detector, or its noise (the larger of noise and offset, which go together), px.
     focal_length_mm
         Distances stay as they are.
     distance
-        Of the settings from what they look at, as a multiple of the planned one.
+        Of the viewpoints from what they look at, as a multiple of the planned one.
     translation_mm, rotation_rad
         Largest of the three standard deviations of the head; the whole covariance goes with it.
     required
@@ -65,23 +64,22 @@ class KnobValues:
                 raise InputError("must be finite and not negative", key=name, got=value)
 
     @classmethod
-    def of(cls, camera: Camera, head: PoseError, requirement: Requirement) -> KnobValues:
+    def of(cls, setup: Setup) -> KnobValues:
         """Of a set-up as it is."""
-        setup = SetUp(camera, head, (0.0, 0.0))
+        camera, requirement = setup.camera, setup.requirement
+        rig = Rig(camera, setup.pose_error, (0.0, 0.0))
         return cls(
             camera.pixel_pitch_mm[0],
-            KNOBS["pixel"].today(setup),
+            KNOBS["pixel"].today(rig),
             camera.focal_length_mm,
             1.0,
-            KNOBS["translation"].today(setup),
-            float(np.radians(KNOBS["rotation"].today(setup))),
+            KNOBS["translation"].today(rig),
+            float(np.radians(KNOBS["rotation"].today(rig))),
             requirement.value if type(requirement) is Requirement else None,
             requirement.probability,
         )
 
-    def applied(
-        self, camera: Camera, head: PoseError, requirement: Requirement
-    ) -> tuple[Camera, PoseError, Requirement]:
+    def applied(self, setup: Setup) -> Setup:
         """The set-up with these values; what is nought today stays nought.
 
         Raises
@@ -89,19 +87,19 @@ class KnobValues:
         InputError
             If a value is out of range, such as an accuracy above 1.
         """
-        today = KnobValues.of(camera, head, requirement)
+        today, pose_error = KnobValues.of(setup), setup.pose_error
 
         def factor(name: str) -> float:
             now, was = getattr(self, name), getattr(today, name)
             return 1.0 if now == was or was == 0 else now / was
 
-        setup = KNOBS["pixel"].turned(SetUp(camera, head, (0.0, 0.0)), factor("edge_px"))
-        camera = with_pixel_pitch(setup.camera, factor("pixel_pitch_mm"))
+        rig = KNOBS["pixel"].turned(Rig(setup.camera, pose_error, (0.0, 0.0)), factor("edge_px"))
+        camera = with_pixel_pitch(rig.camera, factor("pixel_pitch_mm"))
         camera = replace(camera, focal_length_mm=self.focal_length_mm)
         translation, rotation = factor("translation_mm"), factor("rotation_rad")
         if (translation, rotation) != (1.0, 1.0):
-            head = scaled_head(head, translation, rotation)
-        return camera, head, self._requirement(requirement)
+            pose_error = scaled_pose_error(pose_error, translation, rotation)
+        return replace(setup, camera=camera, pose_error=pose_error, requirement=self._requirement(setup.requirement))
 
     def _requirement(self, requirement: Requirement) -> Requirement:
         changes: dict[str, Any] = {}

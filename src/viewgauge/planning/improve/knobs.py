@@ -10,15 +10,15 @@ import numpy as np
 from ...geometry import PoseError
 from ...sensors import Camera
 
-__all__ = ["KNOBS", "MOVING", "SETTLED", "Knob", "SetUp", "scaled_head"]
+__all__ = ["KNOBS", "MOVING", "SETTLED", "Knob", "Rig", "scaled_pose_error"]
 
 
 @dataclass(frozen=True)
-class SetUp:
+class Rig:
     """A camera on a head, and the range of distances, mm, from which it looks at the part."""
 
     camera: Camera
-    head: PoseError
+    pose_error: PoseError
     distance_mm: tuple[float, float]
 
 
@@ -39,41 +39,45 @@ class Knob:
     name: str
     unit: str
     what: str
-    today: Callable[[SetUp], float]
-    turned: Callable[[SetUp, float], SetUp]
+    today: Callable[[Rig], float]
+    turned: Callable[[Rig, float], Rig]
 
 
-def scaled_head(head: PoseError, translation: float, rotation: float) -> PoseError:
+def scaled_pose_error(pose_error: PoseError, translation: float, rotation: float) -> PoseError:
     """The head with the standard deviations of its translation and of its rotation multiplied, common parts alike."""
     scale = np.diag([translation] * 3 + [rotation] * 3)
-    common = head.common_covariance
+    common = pose_error.common_covariance
     return replace(
-        head,
-        covariance=scale @ head.covariance @ scale,
-        pivot_mm=(0.0, 0.0, 0.0),  # T_camera_head holds it
+        pose_error,
+        covariance=scale @ pose_error.covariance @ scale,
+        pivot_mm=(0.0, 0.0, 0.0),  # T_camera_frame holds it
         common_covariance=None if common is None else scale @ common @ scale,
     )
 
 
-def _deviation(head: PoseError, first: int) -> float:
+def _deviation(pose_error: PoseError, first: int) -> float:
     """The largest standard deviation of three."""
-    return float(np.sqrt(head.covariance.diagonal()[first : first + 3].max()))
+    return float(np.sqrt(pose_error.covariance.diagonal()[first : first + 3].max()))
 
 
-def _pixel(setup: SetUp, factor: float) -> SetUp:
-    camera, locator = setup.camera, setup.camera.locator
-    if locator is None:
+def _pixel(setup: Rig, factor: float) -> Rig:
+    camera, edge_detector = setup.camera, setup.camera.edge_detector
+    if edge_detector is None:
         return replace(setup, camera=replace(camera, edge_resolution_px=camera.edge_resolution_px * factor))
-    locator = replace(locator, noise_px=locator.noise_px * factor, bias_px=locator.bias_px * factor)
-    return replace(setup, camera=replace(camera, locator=locator))
+    edge_detector = replace(
+        edge_detector, noise_px=edge_detector.noise_px * factor, bias_px=edge_detector.bias_px * factor
+    )
+    return replace(setup, camera=replace(camera, edge_detector=edge_detector))
 
 
-def _edge_location(setup: SetUp) -> float:
-    locator = setup.camera.locator
-    return setup.camera.edge_resolution_px if locator is None else max(locator.noise_px, locator.bias_px)
+def _edge_location(setup: Rig) -> float:
+    edge_detector = setup.camera.edge_detector
+    return (
+        setup.camera.edge_resolution_px if edge_detector is None else max(edge_detector.noise_px, edge_detector.bias_px)
+    )
 
 
-def _focal_length(setup: SetUp, factor: float) -> SetUp:
+def _focal_length(setup: Rig, factor: float) -> Rig:
     """Distances go with it: the part stays as large in the image; so does the distance in focus."""
     camera, (near, far) = setup.camera, setup.distance_mm
     focus = camera.focus_distance_mm
@@ -85,7 +89,7 @@ def _focal_length(setup: SetUp, factor: float) -> SetUp:
     return replace(setup, camera=camera, distance_mm=(near * factor, far * factor))
 
 
-def _distance(setup: SetUp, factor: float) -> SetUp:
+def _distance(setup: Rig, factor: float) -> Rig:
     """One distance: the farthest of today's times the factor."""
     distance = setup.distance_mm[1] * factor
     return replace(setup, distance_mm=(distance, distance))
@@ -95,7 +99,7 @@ SETTLED = (
     Knob(
         "pixel",
         "px",
-        "quantization step of the edge locator, or its noise and offset (as well a pixel smaller by the factor on a "
+        "quantization step of the edge detector, or its noise and offset (as well a pixel smaller by the factor on a "
         "sensor of the same size)",
         _edge_location,
         _pixel,
@@ -104,25 +108,25 @@ SETTLED = (
         "translation",
         "mm",
         "standard deviation of the head's translation (the largest of the three)",
-        lambda setup: _deviation(setup.head, 0),
-        lambda setup, factor: replace(setup, head=scaled_head(setup.head, factor, 1.0)),
+        lambda setup: _deviation(setup.pose_error, 0),
+        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, factor, 1.0)),
     ),
     Knob(
         "rotation",
         "deg",
         "standard deviation of the head's rotation (the largest of the three)",
-        lambda setup: float(np.degrees(_deviation(setup.head, 3))),
-        lambda setup, factor: replace(setup, head=scaled_head(setup.head, 1.0, factor)),
+        lambda setup: float(np.degrees(_deviation(setup.pose_error, 3))),
+        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, 1.0, factor)),
     ),
     Knob(
-        "head",
+        "pose_error",
         "of today",
         "translation and rotation of the head together",
-        lambda setup: 1.0 if setup.head.covariance.any() else 0.0,
-        lambda setup, factor: replace(setup, head=scaled_head(setup.head, factor, factor)),
+        lambda setup: 1.0 if setup.pose_error.covariance.any() else 0.0,
+        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, factor, factor)),
     ),
 )
-"""Errors: settings stay where they are, and less is always better."""
+"""Errors: viewpoints stay where they are, and less is always better."""
 
 MOVING = (
     Knob(
@@ -140,6 +144,6 @@ MOVING = (
         _distance,
     ),
 )
-"""Settings move, and more or less may be better."""
+"""Viewpoints move, and more or less may be better."""
 
 KNOBS = {knob.name: knob for knob in (*SETTLED, *MOVING)}

@@ -1,4 +1,4 @@
-"""By how much an error must be less, or may be more, for dimensions to be met from some of given settings."""
+"""By how much an error must be less, or may be more, for characteristics to be met from some of given viewpoints."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ Turned = Callable[[float], Evaluator]
 
 @dataclass(frozen=True)
 class Threshold:
-    """The largest factor of an error with which dimensions are met.
+    """The largest factor of an error with which characteristics are met.
 
     Parameters
     ----------
     factor
         None where they are not met with any down to 1/1024; 1024 stands for all from there on.
     rows
-        Settings of those given that are worth asking just there.
+        Viewpoints of those given that are worth asking just there.
     """
 
     factor: float | None
@@ -45,16 +45,20 @@ class Threshold:
 
 @dataclass(frozen=True)
 class Interval:
-    """An interval of factors in which dimensions are met, that nearest to 1; an end is None where nothing ends it."""
+    """An interval of factors in which characteristics are met, that nearest to 1; an end is None where nothing ends
+    it.
+    """
 
     low: float | None
     high: float | None
 
 
 def meeting(evaluator: Evaluator, T_part_camera: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """``(n, d)``: settings ``(n, 4, 4)`` mm from which a dimension is met, and the small-error model answers for it."""
+    """``(n, d)``: viewpoints ``(n, 4, 4)`` mm from which a characteristic is met, and the small-error model answers for
+    it.
+    """
     if not len(T_part_camera):
-        return np.zeros((0, len(evaluator.dimensions)), dtype=bool)
+        return np.zeros((0, len(evaluator.characteristics)), dtype=bool)
     accepted = evaluator.accepted(T_part_camera)
     some = accepted.probability > 0
     met = some & accepted.certain
@@ -66,9 +70,9 @@ def meeting(evaluator: Evaluator, T_part_camera: NDArray[np.float64]) -> NDArray
 
 
 def largest_factor(turned: Turned, T_part_camera: NDArray[np.float64]) -> Threshold:
-    """The largest factor with which all dimensions of the evaluator are met, each from some setting.
+    """The largest factor with which all characteristics of the evaluator are met, each from some viewpoint.
 
-    A setting from which nothing is met with one factor is not asked about larger ones: less of an error is better.
+    A viewpoint from which nothing is met with one factor is not asked about larger ones: less of an error is better.
     """
     every = np.arange(len(T_part_camera))
 
@@ -126,9 +130,9 @@ def met_interval(factors: Sequence[float], met: Sequence[bool], is_met: Callable
     return Interval(low, high)
 
 
-def _end(met: float, unmet: float, is_met: Callable[[float], bool]) -> float:
+def _end(met: float, not_met: float, is_met: Callable[[float], bool]) -> float:
     """The last factor that is met between one that is and one that is not."""
-    while abs(np.log(unmet / met)) > _PRECISION:
-        middle = float(np.sqrt(met * unmet))
-        met, unmet = (middle, unmet) if is_met(middle) else (met, middle)
+    while abs(np.log(not_met / met)) > _PRECISION:
+        middle = float(np.sqrt(met * not_met))
+        met, not_met = (middle, not_met) if is_met(middle) else (met, middle)
     return met

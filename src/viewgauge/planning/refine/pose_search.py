@@ -1,9 +1,9 @@
 """Search for the best camera pose near given ones, many searches at once.
 
-The value of a pose is not smooth: gauges come into view and out of it, and the weakest of several dimensions counts.
-So nothing is differentiated: from each start a cloud of poses is drawn, the best part of it gives the centre and the
-covariance of the next (the cross-entropy method: Rubinstein and Kroese, *The Cross-Entropy Method*, 2004, ch. 5). All
-clouds are evaluated together, as evaluation is fastest by the block.
+The value of a pose is not smooth: measurands come into view and out of it, and the weakest of several characteristics
+counts. So nothing is differentiated: from each start a cloud of poses is drawn, the best part of it gives the centre
+and the covariance of the next (the cross-entropy method: Rubinstein and Kroese, *The Cross-Entropy Method*, 2004, ch.
+5). All clouds are evaluated together, as evaluation is fastest by the block.
 """
 
 from __future__ import annotations

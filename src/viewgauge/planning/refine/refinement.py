@@ -1,15 +1,17 @@
-"""From the best of the sampled settings to the best there is: fewer, and surer.
+"""From the best of the sampled viewpoints to the best there is: fewer, and surer.
 
 Three things are tried in turn until none helps, each by searches over all poses that the region allows
-(:mod:`~viewgauge.planning.refine.pose_search`), from settings at hand:
+(:mod:`~viewgauge.planning.refine.pose_search`), from viewpoints at hand:
 
-- *reach*: a dimension that no setting measures as required gets searches of its own;
-- *fewer*: settings are looked for that would make the cover smaller, those that hold dimensions worth more than one
-  setting by the prices of the linear relaxation (column generation), and those that could take the place of two;
-- *surer*: each chosen setting is moved to where the weakest of what it measures is surest; settings are looked for that
+- *reach*: a characteristic that no viewpoint measures as required gets searches of its own;
+- *fewer*: viewpoints are looked for that would make the cover smaller, those that hold characteristics worth more than
+one
+  viewpoint by the prices of the linear relaxation (column generation), and those that could take the place of two;
+- *surer*: each chosen viewpoint is moved to where the weakest of what it measures is most probable; viewpoints are
+looked for that
   are worth more than one at a higher requirement.
 
-Whatever is found joins the settings to choose from, and the cover is chosen again.
+Whatever is found joins the viewpoints to choose from, and the cover is chosen again.
 """
 
 from __future__ import annotations
@@ -25,19 +27,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...evaluation import Evaluator
-from ..cover.prices import dimension_prices
-from ..cover.viewpoint_pool import SettingPool
+from ..cover.prices import characteristic_prices
+from ..cover.viewpoint_pool import ViewpointPool
 from .pose_search import PoseSearch
 
 __all__ = ["AllowedPositions", "Refinement", "RefinementStep", "Refiner"]
 
 _WIDE, _NEAR, _CLOSE = PoseSearch(64, 12, 2.0), PoseSearch(64, 24, 1.0), PoseSearch(192, 40, 0.5)
-_STARTS = 24  # of a search, of the settings at hand
-_OTHERS = 11  # settings from which a better place of one is looked for, beside its own
-_PAIRS = 30  # of settings that may become one: no more are looked into
+_STARTS = 24  # of a search, of the viewpoints at hand
+_OTHERS = 11  # viewpoints from which a better place of one is looked for, beside its own
+_PAIRS = 30  # of viewpoints that may become one: no more are looked into
 _ROUNDS = 6  # of looking for fewer without finding
-_WORTH_MORE = 1e-6  # than one setting
-_STEP = 1e-4  # of the weakest dimension's probability, from which a change is worth another round
+_WORTH_MORE = 1e-6  # than one viewpoint
+_STEP = 1e-4  # of the weakest characteristic's probability, from which a change is worth another round
 _RAISED = 0.1  # of what lies between the weakest probability and 1: how much higher is asked for
 
 _Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -68,12 +70,12 @@ class Refinement:
     Parameters
     ----------
     steps
-        After each step, the sampled plan's own first: its name, the number of settings, the number of dimensions met,
-        and the probability of the weakest of them.
+        After each step, the sampled plan's own first: its name, the number of viewpoints, the number of characteristics
+        met, and the probability of the weakest of them.
     reached
-        Indices of dimensions that only settings found here measure as required.
+        Indices of characteristics that only viewpoints found here measure as required.
     generated
-        How many settings found here were kept to choose from.
+        How many viewpoints found here were kept to choose from.
     finished
         It ended because nothing helped any more, not because the time was up or somebody stopped it.
     """
@@ -85,20 +87,20 @@ class Refinement:
 
 
 class Refiner:
-    """Improves an arrangement of settings.
+    """Improves an arrangement of viewpoints.
 
     Parameters
     ----------
     evaluator
-        Of all d dimensions.
+        Of all d characteristics.
     region
-        Where a setting may stand.
+        Where a viewpoint may stand.
     pool
-        Settings to choose from, at least those of the arrangement.
-    gauge_middle
-        ``(d, 3)`` mm, part frame: about where each dimension is.
+        Viewpoints to choose from, at least those of the arrangement.
+    measurand_middle
+        ``(d, 3)`` mm, part frame: about where each characteristic is.
     least
-        Number of settings that is known to be needed, whatever the settings.
+        Number of viewpoints that is known to be needed, whatever the viewpoints.
     """
 
     def __init__(
@@ -106,57 +108,57 @@ class Refiner:
         evaluator: Evaluator,
         region: AllowedPositions,
         required: float,
-        pool: SettingPool,
-        gauge_middle: NDArray[np.float64],
+        pool: ViewpointPool,
+        measurand_middle: NDArray[np.float64],
         *,
         seed: int,
         deadline: float,
         least: int = 1,
     ) -> None:
         self._evaluator, self._region, self._required = evaluator, region, required
-        self._middle, self._deadline, self._least = gauge_middle, deadline, least
+        self._middle, self._deadline, self._least = measurand_middle, deadline, least
         self._rng = np.random.default_rng(seed)
         self._of: dict[tuple[int, ...], Evaluator] = {}
         self._sampled = len(pool)
         self.pool = pool
         self.nearest: dict[int, NDArray[np.float64]] = {}
-        """Of dimensions that were searched for apart, by index, the best pose ``(4, 4)`` mm."""
+        """Of characteristics that were searched for apart, by index, the best pose ``(4, 4)`` mm."""
 
-    def improved(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int, Refinement]:
-        """A better arrangement or the same, the lower bound among all settings known, and what has changed."""
+    def improved(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int, Refinement]:
+        """A better arrangement or the same, the lower bound among all viewpoints known, and what has changed."""
         reached = self.pool.reached(self._required)
-        best, steps, finished = (chosen, bound), [self._told("sampled", chosen)], False
+        best, steps, finished = (chosen, bound), [self._reported("sampled", chosen)], False
         try:
             for name, step in (("reach", self._reach), ("surer", self._surer), ("fewer", self._fewer)):
                 best = self._better(step(*best), best)
-                steps.append(self._told(name, best[0]))
+                steps.append(self._reported(name, best[0]))
             finished = not self._late()
         except KeyboardInterrupt:
             pass  # what was found so far counts
         found = tuple(np.setdiff1d(best[0].reached(self._required), reached).tolist())
         return *best, Refinement(tuple(steps), found, len(self.pool) - self._sampled, finished)
 
-    def _told(self, name: str, chosen: SettingPool) -> RefinementStep:
+    def _reported(self, name: str, chosen: ViewpointPool) -> RefinementStep:
         met = len(chosen.reached(self._required))
         return RefinementStep(name, len(chosen), met, chosen.weakest(self._required))
 
     # --- the three steps ---------------------------------------------------------------------------------------------
 
-    def _reach(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+    def _reach(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int]:
         missing = np.setdiff1d(np.arange(self.pool.probability.shape[1]), self.pool.reached(self._required))
         if not len(missing):
             return chosen, bound
         for j in missing.tolist():
             if self._late():
                 break
-            found = self._look([j], lambda p: p[:, 0], _WIDE, _NEAR)
+            found = self._acquisition([j], lambda p: p[:, 0], _WIDE, _NEAR)
             first = found.taken(found.probability[:, j].argsort()[-1:])
             found = self._searched(first, np.array([j]), lambda p: p[:, 0], _CLOSE)
             self._add(found)
             self.nearest[j] = found.T_part_camera[0]
         return self._chosen_again((chosen, bound))
 
-    def _fewer(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+    def _fewer(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int]:
         idle = 0
         while len(chosen) > max(self._least, 1) and idle < _ROUNDS and not self._late():
             known = len(self.pool)
@@ -172,7 +174,7 @@ class Refiner:
             chosen, bound = again
         return chosen, bound
 
-    def _surer(self, chosen: SettingPool, bound: int) -> tuple[SettingPool, int]:
+    def _surer(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int]:
         best = self._moved(chosen), bound
         while len(best[0]) and not self._late():
             weakest = best[0].weakest(self._required)
@@ -186,8 +188,10 @@ class Refiner:
 
     # --- their parts -------------------------------------------------------------------------------------------------
 
-    def _moved(self, chosen: SettingPool) -> SettingPool:
-        """Each setting where the weakest of what it measures is surest, again and again until little changes."""
+    def _moved(self, chosen: ViewpointPool) -> ViewpointPool:
+        """Each viewpoint where the weakest of what it measures is most probable, again and again until little
+        changes.
+        """
         while len(chosen) and not self._late():
             weakest, sum_before = chosen.weakest(self._required), chosen.best().sum()
             for k in range(len(chosen)):
@@ -202,8 +206,10 @@ class Refiner:
         self._add(chosen)
         return chosen
 
-    def _replaced(self, chosen: SettingPool, k: int, mine: NDArray[np.int64], score: _Score) -> SettingPool:
-        """Setting k where it scores best, looked for from where it is and from the best others for what it measures."""
+    def _replaced(self, chosen: ViewpointPool, k: int, mine: NDArray[np.int64], score: _Score) -> ViewpointPool:
+        """Viewpoint k where it scores best, looked for from where it is and from the best others for what it
+        measures.
+        """
         order = np.argsort(-score(self.pool.probability[:, mine]), kind="stable")[:_OTHERS]
         starts = chosen.taken(np.array([k])).joined(self.pool.taken(order))
         found = self._searched(starts, mine, score, _NEAR)
@@ -213,34 +219,34 @@ class Refiner:
         return others.taken(np.insert(rows[:-1], k, len(rows) - 1))
 
     def _price(self, threshold: float) -> bool:
-        """Look for settings worth more than one; whether there was any."""
+        """Look for viewpoints worth more than one; whether there was any."""
         pool = self.pool.taken(self.pool.worthwhile(self._required))
         reached = self.pool.reached(self._required)
         if not len(reached):
             return False
-        prices, _ = dimension_prices(pool.probability[:, reached] >= threshold)
+        prices, _ = characteristic_prices(pool.probability[:, reached] >= threshold)
         worth = reached[prices > 0]
         price = prices[prices > 0]
 
         def score(p: NDArray[np.float64]) -> NDArray[np.float64]:
             return _counted(p, threshold) @ price
 
-        found = self._look(worth.tolist(), score, _NEAR)
+        found = self._acquisition(worth.tolist(), score, _NEAR)
         return bool(((found.probability[:, worth] >= threshold) @ price > 1 + _WORTH_MORE).any())
 
-    def _merge(self, chosen: SettingPool) -> None:
-        """Look for settings that take the place of two of the chosen ones, of those first that measure the least."""
+    def _merge(self, chosen: ViewpointPool) -> None:
+        """Look for viewpoints that take the place of two of the chosen ones, of those first that measure the least."""
         owner, met = chosen.measured_from(), chosen.best() >= self._required
         pairs = itertools.combinations(range(len(chosen)), 2)
         of_both = [np.flatnonzero(met & np.isin(owner, pair)) for pair in pairs]
         for both in sorted(of_both, key=len)[:_PAIRS]:
             if self._late():
                 return
-            self._look(both.tolist(), lambda p: _counted(p, self._required).mean(axis=1), _NEAR)
+            self._acquisition(both.tolist(), lambda p: _counted(p, self._required).mean(axis=1), _NEAR)
 
-    def _look(self, dimensions: Sequence[int], score: _Score, *searches: PoseSearch) -> SettingPool:
-        """Search from the best settings at hand, one search after the other; what is found joins the pool."""
-        asked = np.array(dimensions, dtype=np.int64)
+    def _acquisition(self, characteristics: Sequence[int], score: _Score, *searches: PoseSearch) -> ViewpointPool:
+        """Search from the best viewpoints at hand, one search after the other; what is found joins the pool."""
+        asked = np.array(characteristics, dtype=np.int64)
         found = self.pool.taken(np.argsort(-score(self.pool.probability[:, asked]), kind="stable")[:_STARTS])
         for search in searches:
             found = self._searched(found, asked, score, search)
@@ -248,9 +254,9 @@ class Refiner:
         return found
 
     def _searched(
-        self, starts: SettingPool, dimensions: NDArray[np.int64], score: _Score, search: PoseSearch
-    ) -> SettingPool:
-        evaluator = self._evaluator_of(tuple(dimensions.tolist()))
+        self, starts: ViewpointPool, characteristics: NDArray[np.int64], score: _Score, search: PoseSearch
+    ) -> ViewpointPool:
+        evaluator = self._evaluator_of(tuple(characteristics.tolist()))
 
         def value(poses: NDArray[np.float64]) -> NDArray[np.float64]:
             values = np.full(len(poses), -np.inf)
@@ -260,24 +266,24 @@ class Refiner:
             return values
 
         poses = starts.T_part_camera
-        ahead = self._middle[dimensions].mean(axis=0) - poses[:, :3, 3]
+        ahead = self._middle[characteristics].mean(axis=0) - poses[:, :3, 3]
         distance = np.linalg.norm(ahead, axis=1)
         depth = np.einsum("ni,ni->n", ahead, poses[:, :3, 2])
         poses, _ = search.best(poses, np.maximum(depth, 0.2 * distance), value, self._rng)
-        return SettingPool(poses, self._sure(poses))
+        return ViewpointPool(poses, self._sure(poses))
 
     def _sure(self, poses: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Probabilities of all dimensions; 0 where the small-error model does not answer for one."""
+        """Probabilities of all characteristics; 0 where the small-error model does not answer for one."""
         table = self._evaluator.table(poses)
         return np.where(table.visible & (table.validity == 0), table.probability, 0.0)
 
-    def _evaluator_of(self, dimensions: tuple[int, ...]) -> Evaluator:
-        if dimensions not in self._of:
-            self._of[dimensions] = self._evaluator.of(dimensions)
-        return self._of[dimensions]
+    def _evaluator_of(self, characteristics: tuple[int, ...]) -> Evaluator:
+        if characteristics not in self._of:
+            self._of[characteristics] = self._evaluator.of(characteristics)
+        return self._of[characteristics]
 
-    def _add(self, found: SettingPool) -> None:
-        """To the pool what no setting there makes needless."""
+    def _add(self, found: ViewpointPool) -> None:
+        """To the pool what no viewpoint there makes needless."""
         some = found.taken(np.flatnonzero((found.probability >= self._required).any(axis=1)))
         joined = self.pool.joined(some)
         kept = joined.worthwhile(self._required)
@@ -285,15 +291,15 @@ class Refiner:
         if len(new):
             self.pool = self.pool.joined(joined.taken(new))
 
-    def _chosen_again(self, best: tuple[SettingPool, int]) -> tuple[SettingPool, int]:
-        cover = self.pool.surest_cover(self._required, max(0.0, self._deadline - time.monotonic()))
+    def _chosen_again(self, best: tuple[ViewpointPool, int]) -> tuple[ViewpointPool, int]:
+        cover = self.pool.most_probable_cover(self._required, max(0.0, self._deadline - time.monotonic()))
         return self._better(cover, best)
 
-    def _better(self, a: tuple[SettingPool, int], b: tuple[SettingPool, int]) -> tuple[SettingPool, int]:
-        """The arrangement that meets more, with fewer settings, surer; of equal ones the latter."""
+    def _better(self, a: tuple[ViewpointPool, int], b: tuple[ViewpointPool, int]) -> tuple[ViewpointPool, int]:
+        """The arrangement that meets more, with fewer viewpoints, surer; of equal ones the latter."""
         return a if self._rank(a[0]) > self._rank(b[0]) else b
 
-    def _rank(self, chosen: SettingPool) -> tuple[float, ...]:
+    def _rank(self, chosen: ViewpointPool) -> tuple[float, ...]:
         best = chosen.best()
         met = best >= self._required
         return int(met.sum()), -len(chosen), chosen.weakest(self._required), float(best[met].sum())

@@ -23,7 +23,7 @@ class Hemisphere:
     Parameters
     ----------
     centre
-        mm, part frame; None for the middle of the gauges.
+        mm, part frame; None for the middle of the measurands.
     axis
         From the plane to the side that is meant, part frame.
     radius_mm

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...evaluation import GaugeLaws
+from ...evaluation import MeasurandLaws
 from ..wording import length, probability
 from .laws_chart import CURVES
 from .style import Figure, axis, figure, marked, plain, theme_of
@@ -15,9 +15,9 @@ _POINTS = 121
 
 
 def accuracy_chart(
-    name: str, laws: GaugeLaws, allowed_error_mm: float, required: float, *, dark: bool = False
+    name: str, laws: MeasurandLaws, allowed_error_mm: float, required: float, *, dark: bool = False
 ) -> Figure:
-    """Pr{accuracy >= 1 - T} of a dimension by both models, with what is required.
+    """Pr{accuracy >= 1 - T} of a characteristic by both models, with what is required.
 
     Parameters
     ----------

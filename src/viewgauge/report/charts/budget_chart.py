@@ -1,4 +1,4 @@
-"""What causes the uncertainty of dimensions, as stacked bars."""
+"""What causes the uncertainty of characteristics, as stacked bars."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["budget_chart"]
 
 
 def budget_chart(budgets: Mapping[str, ErrorBudget], order: Sequence[str] = (), *, dark: bool = False) -> Figure:
-    """Shares of the variance, one bar for each dimension; negative ones offset others.
+    """Shares of the variance, one bar for each characteristic; negative ones offset others.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ def directions_chart(
     seen = found.reason == ""
     places = _projected(found.directions)
     size = 380.0 / np.sqrt(len(places))
-    told = [_told(*row) for row in zip(found.directions, found.probability, found.reason, strict=True)]
+    reported = [_reported(*row) for row in zip(found.directions, found.probability, found.reason, strict=True)]
     data = []
     for where, words, marker in (
         (~seen, "not seen", {"color": UNSEEN_COLOUR, "opacity": 0.35, "size": size}),
@@ -62,7 +62,7 @@ def directions_chart(
                 "name": words,
                 "x": np.round(places[where, 0], 4).tolist(),
                 "y": np.round(places[where, 1], 4).tolist(),
-                "text": [text for text, shown in zip(told, where, strict=True) if shown],
+                "text": [text for text, shown in zip(reported, where, strict=True) if shown],
                 "marker": marker,
                 "hovertemplate": "%{text}<extra></extra>",
                 "showlegend": False,
@@ -90,11 +90,12 @@ def directions_chart(
             }
         )
     hidden = {"visible": False, "range": [-2.2, 2.2], "fixedrange": True}
-    surest = float(found.probability.max(initial=0.0))
+    most_probable = float(found.probability.max(initial=0.0))
     return figure(
         data,
         theme,
-        f"{plain(found.dimension)} from all directions, {found.distance_mm:.0f} mm away: at best {surest:.4f}",
+        f"{plain(found.characteristic)} from all directions, {found.distance_mm:.0f} mm away: at best "
+        f"{most_probable:.4f}",
         hovermode="closest",
         xaxis={**hidden, "scaleanchor": "y"},
         yaxis=hidden,
@@ -111,7 +112,7 @@ def _projected(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([x * stretch, y * stretch], axis=1)
 
 
-def _told(direction: NDArray[np.float64], probability: float, reason: str) -> str:
+def _reported(direction: NDArray[np.float64], probability: float, reason: str) -> str:
     tilt = np.degrees(np.arccos(np.clip(direction[2], -1, 1)))
     turn = np.degrees(np.arctan2(direction[1], direction[0]))
     what = f"probability {probability:.4f}" if not reason else f"not seen: {reason.replace('_', ' ')}"

@@ -1,10 +1,10 @@
-"""Densities of what the error of one dimension is made of (paper, Fig. 8 a-c)."""
+"""Densities of what the error of one characteristic is made of (paper, Fig. 8 a-c)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...evaluation import GaugeLaws
+from ...evaluation import MeasurandLaws
 from ..wording import length
 from .style import Figure, axis, figure, plain, theme_of, washed
 
@@ -20,13 +20,13 @@ CURVES = {
 """Words, colour and stroke of each law."""
 
 
-def laws_chart(name: str, laws: GaugeLaws, allowed_error_mm: float, *, dark: bool = False) -> Figure:
-    """The laws of a dimension, with the errors that are allowed as a band.
+def laws_chart(name: str, laws: MeasurandLaws, allowed_error_mm: float, *, dark: bool = False) -> Figure:
+    """The laws of a characteristic, with the errors that are allowed as a band.
 
     Parameters
     ----------
     name
-        Of the dimension.
+        Of the characteristic.
     allowed_error_mm
         Largest allowed error.
     """

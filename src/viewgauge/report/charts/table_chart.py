@@ -1,4 +1,4 @@
-"""The table setting x dimension as a map of probabilities."""
+"""The table viewpoint x characteristic as a map of probabilities."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ __all__ = ["table_chart"]
 
 
 def table_chart(
-    settings: Sequence[str],
-    dimensions: Sequence[str],
+    viewpoints: Sequence[str],
+    characteristics: Sequence[str],
     probability: NDArray[np.float64],
     reason: NDArray[np.str_],
     required: float,
@@ -26,17 +26,17 @@ def table_chart(
     theme = theme_of(dark)
     seen = reason == ""
     rows = [[float(p) if s else None for p, s in zip(*row, strict=True)] for row in zip(probability, seen, strict=True)]
-    told = [
+    reported = [
         [f"probability {p:.4f}" if not why else f"not seen: {why.replace('_', ' ')}" for p, why in zip(*r, strict=True)]
         for r in zip(probability, reason, strict=True)
     ]
     data = [
         {
             "type": "heatmap",
-            "x": [plain(name) for name in dimensions],
-            "y": [plain(name) for name in settings],
+            "x": [plain(name) for name in characteristics],
+            "y": [plain(name) for name in viewpoints],
             "z": rows,
-            "text": told,
+            "text": reported,
             "zmin": 0,
             "zmax": 1,
             "colorscale": [list(stop) for stop in probability_scale(required)],
@@ -49,9 +49,9 @@ def table_chart(
     return figure(
         data,
         theme,
-        f"How surely each setting measures (blue: ≥ {required:g})",
+        f"How surely each viewpoint measures (blue: ≥ {required:g})",
         hovermode="closest",
         plot_bgcolor=UNSEEN_COLOUR,
-        xaxis={**axis("dimension", theme, type="category"), "showgrid": False},
-        yaxis={**axis("setting", theme, type="category", autorange="reversed"), "showgrid": False},
+        xaxis={**axis("characteristic", theme, type="category"), "showgrid": False},
+        yaxis={**axis("viewpoint", theme, type="category", autorange="reversed"), "showgrid": False},
     )

@@ -17,7 +17,7 @@ from .tables import fact_table, markup_table
 
 __all__ = ["render_improvement", "render_specification"]
 
-_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#7A5195")  # as those of settings (Okabe and Ito)
+_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#7A5195")  # as those of viewpoints (Okabe and Ito)
 _MARKS = ("circle", "square", "diamond", "cross", "triangle-up", "x")
 
 
@@ -25,17 +25,18 @@ def render_improvement(
     improvement: Improvement, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
 ) -> str:
     """What to improve as one HTML text: a picture of pixels against head, and the least change of each thing."""
-    dimensions = improvement.dimensions
-    met = sum(dimension.met for dimension in dimensions)
-    verdict = f"{met} of {len(dimensions)} dimensions are met today"
-    body = element("p", verdict, class_=f"verdict {'good' if met == len(dimensions) else 'bad'}")
+    characteristics = improvement.characteristics
+    met = sum(characteristic.met for characteristic in characteristics)
+    verdict = f"{met} of {len(characteristics)} characteristics are met today"
+    body = element("p", verdict, class_=f"verdict {'good' if met == len(characteristics) else 'bad'}")
     picture = _trade_picture(improvement)
     if picture:
-        hint = "The part is met below the line: with that step of the edge locator, by a head that is no worse."
+        hint = "The part is met below the line: with that step of the edge detector, by a head that is no worse."
         body += _figure("Pixels against head", hint)
     hint = (
-        "The least change of one thing alone, all else as today, that meets a dimension; where it is met, how far it "
-        f"may go. By {improvement.settings:,} settings that were tried. Hatched: no such change will do; the "
+        "The least change of one thing alone, all else as today, that meets a characteristic; where it is "
+        "met, how far it "
+        f"may go. By {improvement.viewpoints:,} viewpoints that were tried. Hatched: no such change will do; the "
         "probability is what is reached without that error."
     )
     body += element("h2", "What would have to change") + element("p", hint, class_="hint") + changes_table(improvement)
@@ -53,8 +54,8 @@ def render_specification(
     if smallest is None:
         verdict = element("p", "No camera that was tried meets the part with the head of today", class_="verdict bad")
     else:
-        told = f"Fewest pixels with the head of today: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
-        verdict = element("p", told, class_="verdict good")
+        reported = f"Fewest pixels with the head of today: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
+        verdict = element("p", reported, class_="verdict good")
     hint = "From the red line on the part is met with the head of today; higher, the head may be worse by that factor."
     body = verdict + _figure("Pixels against head", hint)
     body += element("h2", "Cameras") + _choice_table(specification)
@@ -103,7 +104,7 @@ def _layout(x: str, y: str) -> dict[str, Any]:
 
 
 def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
-    trades = [(t.pixel_px, t.head_factor) for t in improvement.trade_off if t.head_factor is not None]
+    trades = [(t.pixel_px, t.pose_error_factor) for t in improvement.trade_off if t.pose_error_factor is not None]
     if not trades:
         return None
     line = {
@@ -120,17 +121,17 @@ def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
         "name": "today",
         "marker": {"color": "#D00000", "size": 14, "symbol": "star"},
     }
-    return {"data": [line, today], "layout": _layout("step of the edge locator / px", "errors of the head / of today")}
+    return {"data": [line, today], "layout": _layout("step of the edge detector / px", "errors of the head / of today")}
 
 
 def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
     data: list[dict[str, Any]] = []
     for k, lens in enumerate(sorted({choice.focal_length_mm for choice in choices})):
-        shown = [c for c in choices if c.focal_length_mm == lens and c.head.factor is not None]
+        shown = [c for c in choices if c.focal_length_mm == lens and c.pose_error.factor is not None]
         data.append(
             {
                 "x": [c.sensor.resolution[0] * c.sensor.resolution[1] / 1e6 for c in shown],
-                "y": [c.head.factor for c in shown],
+                "y": [c.pose_error.factor for c in shown],
                 "text": [c.sensor.name for c in shown],
                 "mode": "markers+lines",
                 "name": f"{lens:g} mm",
@@ -146,7 +147,7 @@ def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
 
 
 def _choice_table(specification: Specification) -> str:
-    head = [
+    pose_error = [
         ("Sensor", ""),
         ("Pixel / µm", "num"),
         ("Lens / mm", "num"),
@@ -155,14 +156,14 @@ def _choice_table(specification: Specification) -> str:
         ("Head, at most / of today", "num"),
         ("Translation / mm", "num"),
         ("Rotation / deg", "num"),
-        ("Or edge locator, at most / px", "num"),
+        ("Or edge detector, at most / px", "num"),
     ]
     best = {id(choice) for choice in specification.best}
     rows = []
     for choice in specification.choices:
         near, far = choice.distance_mm
         values = (
-            choice.head.factor,
+            choice.pose_error.factor,
             choice.translation_mm,
             choice.rotation_deg,
             None if choice.pixel is None else choice.pixel.value,
@@ -171,14 +172,14 @@ def _choice_table(specification: Specification) -> str:
             f"{1000 * choice.sensor.pixel_pitch_mm:g}",
             f"{choice.focal_length_mm:g}",
             f"{near:.0f} to {far:.0f}",
-            f"{choice.met} of {specification.dimensions}",
+            f"{choice.met} of {specification.characteristics}",
             *(DASH if value is None else rounded(value) for value in values),
         ]
         cells = element("th", choice.sensor.name, scope="row", style="white-space:nowrap")
         cells += "".join(element("td", number, class_="num") for number in numbers)
-        good = choice.head.factor is not None and choice.head.factor >= 1
-        kind = ("met" if good else "unmet") + (" total" if id(choice) in best else "")
+        good = choice.pose_error.factor is not None and choice.pose_error.factor >= 1
+        kind = ("met" if good else "not_met") + (" total" if id(choice) in best else "")
         rows.append(element("tr", markup=cells, class_=kind))
     return element("p", "In bold, of each sensor the lens with which the head may be worst.", class_="hint") + (
-        markup_table(head, rows)
+        markup_table(pose_error, rows)
     )

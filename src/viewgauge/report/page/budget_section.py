@@ -1,12 +1,12 @@
-"""The report's sections on refinement, error budgets and the gauge's figures."""
+"""The report's sections on refinement, error budgets and the capability figures."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...evaluation.capability_figures import GaugeFigures
+from ...evaluation.capability_figures import CapabilityFigures
 from ...evaluation.error_budget import SOURCES, ErrorBudget
-from ...planning.plan import Plan, PlannedDimension
+from ...planning.plan import Plan, PlannedCharacteristic
 from ..budget_parts import WORDS, shares_of, shown_parts
 from ..wording import DASH, element, length, probability
 from .tables import STATUS_WORDS, markup_table
@@ -24,27 +24,27 @@ def refinement_section(plan: Plan) -> str:
     """Before and after refining, step by step; nothing where nothing was refined."""
     if plan.refinement is None:
         return ""
-    head = [("After", ""), ("Settings", "num"), ("Dimensions met", "num"), ("Weakest probability", "num")]
+    pose_error = [("After", ""), ("Viewpoints", "num"), ("Characteristics met", "num"), ("Weakest probability", "num")]
     rows = []
     for step in plan.refinement.steps:
         numbers = (str(step.count), str(step.met), probability(step.weakest) if step.met else DASH)
         cells = element("th", _STEPS.get(step.name, step.name), scope="row")
         rows.append(element("tr", markup=cells + "".join(element("td", number, class_="num") for number in numbers)))
-    hint = "Settings moved and replaced over all poses that the region allows."
+    hint = "Viewpoints moved and replaced over all poses that the region allows."
     if not plan.refinement.finished:
         hint += " It was stopped: more time may find better."
-    return _section("refinement", "Refinement", hint, markup_table(head, rows))
+    return _section("refinement", "Refinement", hint, markup_table(pose_error, rows))
 
 
 def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
-    """What causes the uncertainty of each dimension, and how sure it would be without."""
+    """What causes the uncertainty of each characteristic, and how sure it would be without."""
     if not budgets:
         return ""
     names = shown_parts(budgets.values())
     rows = [_budget_row(d, budgets[d.id], names) for d in _least_sure_first(plan) if d.id in budgets]
     pixels_alone = not {"edges", "calibration"} & set(names)
-    head = [
-        ("Dimension", ""),
+    pose_error = [
+        ("Characteristic", ""),
         ("u / mm", "num"),
         ("Shares of the variance", "share"),
         *((WORDS[name].capitalize(), "num") for name in names),
@@ -54,10 +54,11 @@ def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
         ("without rotation", "num"),
     ]
     hint = (
-        "First order, at the setting that measures the dimension (at the best one tried where none does). A negative "
+        "First order, at the viewpoint that measures the characteristic (at the best one tried where none "
+        "does). A negative "
         "share: errors that offset others. A cell's pointer text has the single sources."
     )
-    return _section("budget", "Error budget", hint, _legend(names) + markup_table(head, rows))
+    return _section("budget", "Error budget", hint, _legend(names) + markup_table(pose_error, rows))
 
 
 def _legend(names: Sequence[str]) -> str:
@@ -65,20 +66,20 @@ def _legend(names: Sequence[str]) -> str:
     return element("p", markup=" &ensp; ".join(entries), class_="hint")
 
 
-def _budget_row(dimension: PlannedDimension, budget: ErrorBudget, names: Sequence[str]) -> str:
+def _budget_row(characteristic: PlannedCharacteristic, budget: ErrorBudget, names: Sequence[str]) -> str:
     of_all = shares_of(budget)
     shares = {name: of_all[name] for name in names}
     single = ", ".join(f"{name} {budget.share[k]:.1%}" for k, name in enumerate(SOURCES))
     without = budget.group_probability_without
     cells = [
-        element("th", dimension.id, scope="row"),
+        element("th", characteristic.id, scope="row"),
         element("td", f"{float(budget.combined_uncertainty_mm):.4f}", class_="num"),
         element("td", markup=_bar(shares), title=single),
         *(element("td", f"{share:.0%}".replace("-", "−"), class_="num", title=single) for share in shares.values()),
         element("td", probability(float(budget.probability)), class_="num"),
         *(element("td", probability(float(without[g])), class_="num") for g in ("camera", "translation", "rotation")),
     ]
-    return element("tr", markup="".join(cells), class_=dimension.status)
+    return element("tr", markup="".join(cells), class_=characteristic.status)
 
 
 def _bar(shares: Mapping[str, float]) -> str:
@@ -91,7 +92,7 @@ def _bar(shares: Mapping[str, float]) -> str:
     return element("div", markup="".join(parts), class_="bar")
 
 
-def figures_section(plan: Plan, figures: Mapping[str, GaugeFigures]) -> str:
+def figures_section(plan: Plan, figures: Mapping[str, CapabilityFigures]) -> str:
     """U, %P/T, Cg, Cgk, TUR, and risks where a process is stated."""
     shown = [d for d in _least_sure_first(plan) if d.id in figures]
     if not shown:
@@ -106,18 +107,18 @@ def figures_section(plan: Plan, figures: Mapping[str, GaugeFigures]) -> str:
         "consumer_risk": "Consumer's risk / %",
         "producer_risk": "Producer's risk / %",
     }
-    head = [("Dimension", ""), ("U (k = 2) / mm", "num"), *((words[name], "num") for name in columns)]
+    pose_error = [("Characteristic", ""), ("U (k = 2) / mm", "num"), *((words[name], "num") for name in columns)]
     rows = []
-    for dimension in shown:
-        of = figures[dimension.id]
+    for characteristic in shown:
+        of = figures[characteristic.id]
         cells = [
-            element("th", dimension.id, scope="row"),
+            element("th", characteristic.id, scope="row"),
             element("td", length(of.expanded_uncertainty_mm), class_="num"),
             *(element("td", _figure(name, getattr(of, name)), class_="num") for name in columns),
         ]
-        rows.append(element("tr", markup="".join(cells), class_=dimension.status))
+        rows.append(element("tr", markup="".join(cells), class_=characteristic.status))
     hint = "Predicted from the law of the measuring error: its spread over the tolerance zone, and what follows."
-    return _section("gauge", "As a gauge", hint, markup_table(head, rows))
+    return _section("measurand", "Capability", hint, markup_table(pose_error, rows))
 
 
 def _figure(name: str, value: float | None) -> str:
@@ -126,6 +127,9 @@ def _figure(name: str, value: float | None) -> str:
     return f"{100 * value:.3g}" if name.endswith("risk") else f"{value:.3g}"
 
 
-def _least_sure_first(plan: Plan) -> list[PlannedDimension]:
+def _least_sure_first(plan: Plan) -> list[PlannedCharacteristic]:
     order = list(STATUS_WORDS)
-    return sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
+    return sorted(
+        plan.characteristics,
+        key=lambda characteristic: (order.index(characteristic.status), characteristic.probability),
+    )

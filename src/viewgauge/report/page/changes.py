@@ -1,4 +1,4 @@
-"""The least change of each thing that meets dimensions, as a table."""
+"""The least change of each thing that meets characteristics, as a table."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ __all__ = ["changes_table"]
 
 
 def changes_table(improvement: Improvement) -> str:
-    """A row for today, for each dimension, and for the part; a column for each thing that can be changed."""
+    """A row for today, for each characteristic, and for the part; a column for each thing that can be changed."""
     knobs = list(improvement.today)
-    head = [("Dimension", ""), ("Today", "num")]
-    head += [(f"{name.replace('_', ' ').capitalize()} / {KNOBS[name].unit}", "num") for name in knobs]
+    pose_error = [("Characteristic", ""), ("Today", "num")]
+    pose_error += [(f"{name.replace('_', ' ').capitalize()} / {KNOBS[name].unit}", "num") for name in knobs]
     today = [element("th", "Today", scope="row"), element("td")]
     today += [element("td", rounded(improvement.today[name]), class_="num") for name in knobs]
     rows = [element("tr", markup="".join(today))]
-    for d in improvement.dimensions:
+    for d in improvement.characteristics:
         cells = [element("th", d.id, scope="row"), element("td", probability(d.probability), class_="num")]
         cells += [_change_cell(d.changes[name]) for name in knobs]
-        rows.append(element("tr", markup="".join(cells), class_="met" if d.met else "unmet"))
+        rows.append(element("tr", markup="".join(cells), class_="met" if d.met else "not_met"))
     if improvement.part:
         cells = [element("th", "The part", scope="row"), element("td")]
         cells += [_change_cell(improvement.part[name]) for name in knobs]
         rows.append(element("tr", markup="".join(cells), class_="total"))
-    return markup_table(head, rows)
+    return markup_table(pose_error, rows)
 
 
 def _change_cell(change: Change) -> str:

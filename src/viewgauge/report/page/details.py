@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ...evaluation import GaugeFigures, GaugeLaws
+from ...evaluation import CapabilityFigures, MeasurandLaws
 from ...evaluation.error_budget import ErrorBudget
 from ...planning.improve.improvement import Improvement
-from ..pictures.view_picture import SettingView
+from ..pictures.view_picture import ViewpointView
 
 __all__ = ["MOST_VIEWS", "PlanDetails"]
 
@@ -22,19 +22,19 @@ class PlanDetails:
     Parameters
     ----------
     budgets, figures, laws
-        Of dimensions, by id, as far as they have some.
+        Of characteristics, by id, as far as they have some.
     views
-        Of settings.
+        Of viewpoints.
     improvement
-        What to improve with the settings as they stand.
+        What to improve with the viewpoints as they stand.
     most_views, most_laws
-        Of how many settings and dimensions, the least sure first, views and laws are shown.
+        Of how many viewpoints and characteristics, the least sure first, views and laws are shown.
     """
 
     budgets: Mapping[str, ErrorBudget] = field(default_factory=dict)
-    figures: Mapping[str, GaugeFigures] = field(default_factory=dict)
-    laws: Mapping[str, GaugeLaws] = field(default_factory=dict)
-    views: Sequence[SettingView] = ()
+    figures: Mapping[str, CapabilityFigures] = field(default_factory=dict)
+    laws: Mapping[str, MeasurandLaws] = field(default_factory=dict)
+    views: Sequence[ViewpointView] = ()
     improvement: Improvement | None = None
     most_views: int = MOST_VIEWS
     most_laws: int = 300

@@ -15,7 +15,7 @@ from ...evaluation.requirement.allowed_error import Requirement
 from ...part.characteristic import Part
 from ...planning.improve.improvement import Improvement
 from ...planning.plan import Plan
-from ...sensors import Camera, EdgeLocator
+from ...sensors import Camera, EdgeDetector
 from ..palette import DARK, LIGHT
 from ..pictures.part_scene import TRIANGLE_LIMIT, build_scene
 from ..wording import element, length, requirement_text
@@ -24,7 +24,7 @@ from .changes import changes_table
 from .details import PlanDetails
 from .law_section import law_charts, law_section
 from .summary import summary_markup
-from .tables import dimension_table, fact_table, setting_table
+from .tables import characteristic_table, fact_table, viewpoint_table
 from .view_section import view_section
 
 __all__ = ["MOST_BYTES", "render_report", "resource", "script_data"]
@@ -55,10 +55,10 @@ def _camera_facts(camera: Camera) -> dict[str, str]:
         "Pixel": f"{pitch} µm",
         "Resolution": f"{columns} x {rows} px",
     }
-    if camera.locator is None:
+    if camera.edge_detector is None:
         facts["Edge resolution"] = f"{camera.edge_resolution_px:g} px"
     else:
-        facts["Edge locator"] = _locator_words(camera.locator)
+        facts["Edge detector"] = _edge_detector_words(camera.edge_detector)
     if camera.lens is not None:
         facts["Lens"] = f"{camera.lens.model} distortion"
     if camera.intrinsics_covariance is not None:
@@ -68,9 +68,13 @@ def _camera_facts(camera: Camera) -> dict[str, str]:
     return facts
 
 
-def _locator_words(locator: EdgeLocator) -> str:
-    words = f"noise {locator.noise_px:.2g} px, offset {locator.bias_px:.2g} px"
-    return words if locator.edge_points is None else f"{words}, {locator.edge_points} points fitted at each end"
+def _edge_detector_words(edge_detector: EdgeDetector) -> str:
+    words = f"noise {edge_detector.noise_px:.2g} px, offset {edge_detector.bias_px:.2g} px"
+    return (
+        words
+        if edge_detector.edge_points is None
+        else f"{words}, {edge_detector.edge_points} points fitted at each end"
+    )
 
 
 def _notes(part: Part, remark: str) -> str:
@@ -82,8 +86,10 @@ def _improvement_section(improvement: Improvement | None) -> str:
     if improvement is None:
         return ""
     hint = (
-        "One thing changed alone, the settings as they stand: with so much each dimension is still met, or would be. "
-        "Hatched: no such change will do; the probability is what is reached without that error. Other settings, which "
+        "One thing changed alone, the viewpoints as they stand: with so much each characteristic is still "
+        "met, or would be. "
+        "Hatched: no such change will do; the probability is what is reached without that error. Other "
+        "viewpoints, which "
         "viewgauge improve tries, may ask for less."
     )
     content = element("h2", "What to improve", id="improve") + element("p", hint, class_="hint")
@@ -119,7 +125,7 @@ def render_report(
     -------
     HTML with plotly.js inside; no resource is fetched, and the page forbids itself to. All text is escaped. The
     same arguments give the same text. Where it would be larger than :data:`MOST_BYTES`, views and laws of fewer
-    settings and dimensions and a coarser part are shown, and it is said.
+    viewpoints and characteristics and a coarser part are shown, and it is said.
     """
     details, triangles = details or PlanDetails(), TRIANGLE_LIMIT
     for _ in range(_ATTEMPTS):
@@ -155,8 +161,8 @@ def _rendered(
         requirement=escape(requirement_text(requirement)),
         summary=summary_markup(plan),
         notes=_notes(part, remark),
-        dimensions=dimension_table(plan),
-        settings=setting_table(plan, part, camera),
+        characteristics=characteristic_table(plan),
+        viewpoints=viewpoint_table(plan, part, camera),
         refinement=refinement_section(plan),
         views=view_section(details.views, requirement.probability, details.most_views),
         laws=law_section(plan, details.laws, details.most_laws),

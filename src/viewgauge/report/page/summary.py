@@ -14,24 +14,24 @@ NAMES_SHOWN = 6
 
 def verdict(plan: Plan) -> tuple[str, bool]:
     """The outcome in one sentence, and whether it is good."""
-    count = Counter(dimension.status for dimension in plan.dimensions)
-    total = len(plan.dimensions)
+    count = Counter(characteristic.status for characteristic in plan.characteristics)
+    total = len(plan.characteristics)
     if total == 0:
-        return "No dimension to measure", False
+        return "No characteristic to measure", False
     if plan.all_met:
-        return ("The dimension is met" if total == 1 else f"All {total} dimensions are met"), True
+        return ("The characteristic is met" if total == 1 else f"All {total} characteristics are met"), True
     parts = []
-    if count["unmet"]:
-        parts.append(f"not met: {count['unmet']} of {total} dimensions")
+    if count["not_met"]:
+        parts.append(f"not met: {count['not_met']} of {total} characteristics")
     if count["not_measurable"]:
-        parts.append(f"not measurable: {count['not_measurable']}" + ("" if parts else f" of {total} dimensions"))
+        parts.append(f"not measurable: {count['not_measurable']}" + ("" if parts else f" of {total} characteristics"))
     text = ", ".join(parts)
     return text[0].upper() + text[1:], False
 
 
 def _missing(plan: Plan) -> str:
     """The names of what is missing, as many as fit."""
-    names = [dimension.id for dimension in plan.dimensions if dimension.status != "met"]
+    names = [characteristic.id for characteristic in plan.characteristics if characteristic.status != "met"]
     if not names:
         return "as accurately and surely as required"
     more = len(names) - NAMES_SHOWN
@@ -40,10 +40,10 @@ def _missing(plan: Plan) -> str:
 
 def _optimality(plan: Plan) -> str:
     if plan.count == 0:
-        return "no candidate meets any dimension"
+        return "no candidate meets any characteristic"
     if plan.proven_anywhere:
         return "proven the fewest anywhere in the region"
-    known = "the candidates" if plan.refinement is None else "the settings known"
+    known = "the candidates" if plan.refinement is None else "the viewpoints known"
     anywhere = "" if plan.anywhere is None else f"; anywhere at least {plan.anywhere.count}"
     if plan.proven:
         return f"proven the fewest among {known}{anywhere}"
@@ -60,13 +60,13 @@ def _card(label: str, value: str, remark: str) -> str:
 
 
 def summary_markup(plan: Plan) -> str:
-    """The verdict and four figures: dimensions met, settings, weakest dimension, candidates."""
+    """The verdict and four figures: characteristics met, viewpoints, weakest characteristic, candidates."""
     text, good = verdict(plan)
-    met = [dimension for dimension in plan.dimensions if dimension.status == "met"]
-    weakest = min(met, key=lambda dimension: dimension.probability, default=None)
+    met = [characteristic for characteristic in plan.characteristics if characteristic.status == "met"]
+    weakest = min(met, key=lambda characteristic: characteristic.probability, default=None)
     cards = (
-        _card("Dimensions met", f"{len(met)} of {len(plan.dimensions)}", _missing(plan)),
-        _card("Camera settings", str(plan.count), _optimality(plan)),
+        _card("Characteristics met", f"{len(met)} of {len(plan.characteristics)}", _missing(plan)),
+        _card("Camera viewpoints", str(plan.count), _optimality(plan)),
         _card("Least sure of those met", *_weakest(weakest.id, weakest.probability) if weakest else (DASH, "none met")),
         _card("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
     )

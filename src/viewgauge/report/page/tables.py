@@ -1,4 +1,4 @@
-"""The tables of the report: dimensions, settings, inputs."""
+"""The tables of the report: characteristics, viewpoints, inputs."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...part.characteristic import Part
-from ...planning.plan import Plan, PlannedDimension, PlannedSetting, Status
+from ...planning.plan import Plan, PlannedCharacteristic, PlannedViewpoint, Status
 from ...sensors.camera import Camera
-from ..palette import setting_colours
+from ..palette import viewpoint_colours
 from ..wording import DASH, element, length, probability, tolerance
 
-__all__ = ["dimension_table", "fact_table", "markup_table", "setting_table"]
+__all__ = ["characteristic_table", "fact_table", "markup_table", "viewpoint_table"]
 
-STATUS_WORDS: dict[Status, str] = {"unmet": "not met", "not_measurable": "not measurable", "met": "met"}
+STATUS_WORDS: dict[Status, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
 
 
-def markup_table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
+def markup_table(pose_error: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
     """A table; each heading comes with the class of its column (``num`` for numbers)."""
-    cells = "".join(element("th", text, scope="col", class_=kind) for text, kind in head)
+    cells = "".join(element("th", text, scope="col", class_=kind) for text, kind in pose_error)
     return (
         '<div class="scroll"><table><thead>'
         + element("tr", markup=cells)
@@ -32,7 +32,7 @@ def markup_table(head: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
     )
 
 
-def _setting_mark(name: str, colours: Mapping[str, str]) -> str:
+def _viewpoint_mark(name: str, colours: Mapping[str, str]) -> str:
     swatch = element("span", class_="swatch", style=f"background:{colours.get(name, 'transparent')}")
     return swatch + element("span", name)
 
@@ -42,11 +42,11 @@ def _quantity(value: float, kind: str) -> str:
     return f"{length(math.degrees(value))}°" if kind == "angle" and math.isfinite(value) else length(value)
 
 
-def _tolerance(dimension: PlannedDimension) -> str:
+def _tolerance(characteristic: PlannedCharacteristic) -> str:
     """A tolerance in the unit of the nominal value."""
-    if dimension.kind != "angle" or dimension.tolerance_mm is None:
-        return tolerance(dimension.tolerance_mm)
-    lower, upper = dimension.tolerance_mm
+    if characteristic.kind != "angle" or characteristic.tolerance_mm is None:
+        return tolerance(characteristic.tolerance_mm)
+    lower, upper = characteristic.tolerance_mm
     return f"{tolerance((math.degrees(lower), math.degrees(upper)))}°"
 
 
@@ -57,46 +57,48 @@ def _share(value: float) -> str:
     return element("td", probability(value), class_="num", title=repr(float(value)))
 
 
-def _dimension_row(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
-    reached = dimension.gauge is not None
-    surely = dimension.probability if dimension.status != "not_measurable" else math.nan
+def _characteristic_row(characteristic: PlannedCharacteristic, colours: Mapping[str, str]) -> str:
+    reached = characteristic.measurand is not None
+    surely = characteristic.probability if characteristic.status != "not_measurable" else math.nan
     cells = (
-        element("th", dimension.id, scope="row"),
-        element("td", dimension.kind),
-        element("td", _quantity(dimension.nominal_mm, dimension.kind), class_="num"),
-        element("td", _tolerance(dimension), class_="num"),
-        element("td", length(dimension.allowed_error_mm), class_="num"),
-        element("td", markup=element("span", STATUS_WORDS[dimension.status], class_=f"status {dimension.status}")),
+        element("th", characteristic.id, scope="row"),
+        element("td", characteristic.kind),
+        element("td", _quantity(characteristic.nominal_mm, characteristic.kind), class_="num"),
+        element("td", _tolerance(characteristic), class_="num"),
+        element("td", length(characteristic.allowed_error_mm), class_="num"),
+        element(
+            "td", markup=element("span", STATUS_WORDS[characteristic.status], class_=f"status {characteristic.status}")
+        ),
         _share(surely),
-        _share(dimension.expected_accuracy if reached else math.nan),
-        _settings_cell(dimension, colours),
-        element("td", _remark(dimension), class_="limit"),
+        _share(characteristic.expected_accuracy if reached else math.nan),
+        _viewpoints_cell(characteristic, colours),
+        element("td", _remark(characteristic), class_="limit"),
     )
-    return element("tr", markup="".join(cells), class_=dimension.status)
+    return element("tr", markup="".join(cells), class_=characteristic.status)
 
 
-def _settings_cell(dimension: PlannedDimension, colours: Mapping[str, str]) -> str:
-    """The setting, or those of several looks."""
-    names = [name for name, _ in _looks(dimension)]
-    return element("td", markup="<br>".join(_setting_mark(name, colours) for name in names) or escape(DASH))
+def _viewpoints_cell(characteristic: PlannedCharacteristic, colours: Mapping[str, str]) -> str:
+    """The viewpoint, or those of several viewpoints."""
+    names = [name for name, _ in _acquisitions(characteristic)]
+    return element("td", markup="<br>".join(_viewpoint_mark(name, colours) for name in names) or escape(DASH))
 
 
-def _remark(dimension: PlannedDimension) -> str:
-    """What limits it and what is proven; of an averaged one what the best single look would be worth."""
-    if dimension.looks and dimension.single_probability is not None:
-        alone = probability(dimension.single_probability)
-        return f"mean of {len(dimension.looks)} looks; the best alone {alone}"
-    return ". ".join(said[0].upper() + said[1:] if n else said for n, said in enumerate(_said(dimension)))
+def _remark(characteristic: PlannedCharacteristic) -> str:
+    """What limits it and what is proven; of an averaged one what the best single acquisition would be worth."""
+    if characteristic.acquisitions and characteristic.single_probability is not None:
+        alone = probability(characteristic.single_probability)
+        return f"mean of {len(characteristic.acquisitions)} acquisitions; the best alone {alone}"
+    return ". ".join(said[0].upper() + said[1:] if n else said for n, said in enumerate(_said(characteristic)))
 
 
-def _said(dimension: PlannedDimension) -> list[str]:
-    return [text for text in (dimension.limit, dimension.proof) if text]
+def _said(characteristic: PlannedCharacteristic) -> list[str]:
+    return [text for text in (characteristic.limit, characteristic.proof) if text]
 
 
-def dimension_table(plan: Plan) -> str:
-    """Every dimension: not met, not measurable, then met; the least sure first in each group."""
-    head = [
-        ("Dimension", ""),
+def characteristic_table(plan: Plan) -> str:
+    """Every characteristic: not met, not measurable, then met; the least sure first in each group."""
+    pose_error = [
+        ("Characteristic", ""),
         ("Kind", ""),
         ("Nominal / mm", "num"),
         ("Tolerance / mm", "num"),
@@ -104,27 +106,36 @@ def dimension_table(plan: Plan) -> str:
         ("Status", ""),
         ("Probability", "num"),
         ("Expected accuracy", "num"),
-        ("Setting", ""),
+        ("Viewpoint", ""),
         ("Limited by", ""),
     ]
     order = list(STATUS_WORDS)
-    ranked = sorted(plan.dimensions, key=lambda dimension: (order.index(dimension.status), dimension.probability))
-    colours = setting_colours(plan)
-    return markup_table(head, [_dimension_row(dimension, colours) for dimension in ranked])
+    ranked = sorted(
+        plan.characteristics,
+        key=lambda characteristic: (order.index(characteristic.status), characteristic.probability),
+    )
+    colours = viewpoint_colours(plan)
+    return markup_table(pose_error, [_characteristic_row(characteristic, colours) for characteristic in ranked])
 
 
-def working_distance_mm(setting: PlannedSetting, plan: Plan, part: Part) -> float:
-    """Depth, along the optical axis, of the middle of the gauges measured from a setting (of the part if none)."""
-    mine = [gauge for d in plan.dimensions for name, gauge in _looks(d) if name == setting.id]
+def working_distance_mm(viewpoint: PlannedViewpoint, plan: Plan, part: Part) -> float:
+    """Depth, along the optical axis, of the middle of the measurands measured from a viewpoint (of the part if
+    none).
+    """
+    mine = [measurand for d in plan.characteristics for name, measurand in _acquisitions(d) if name == viewpoint.id]
     middle = np.mean(np.concatenate(mine), axis=0) if mine else part.mesh.bounds.mean(axis=0)
-    return float((middle - setting.T_part_camera[:3, 3]) @ setting.T_part_camera[:3, 2])
+    return float((middle - viewpoint.T_part_camera[:3, 3]) @ viewpoint.T_part_camera[:3, 2])
 
 
-def _looks(dimension: PlannedDimension) -> list[tuple[str, NDArray[np.float64]]]:
-    """The settings that a dimension is measured from, and what is measured from each."""
-    if dimension.looks:
-        return [(look.setting, look.gauge) for look in dimension.looks]
-    return [(dimension.setting, dimension.gauge)] if dimension.setting and dimension.gauge is not None else []
+def _acquisitions(characteristic: PlannedCharacteristic) -> list[tuple[str, NDArray[np.float64]]]:
+    """The viewpoints that a characteristic is measured from, and what is measured from each."""
+    if characteristic.acquisitions:
+        return [(acquisition.viewpoint, acquisition.measurand) for acquisition in characteristic.acquisitions]
+    return (
+        [(characteristic.viewpoint, characteristic.measurand)]
+        if characteristic.viewpoint and characteristic.measurand is not None
+        else []
+    )
 
 
 def _vector(values: np.ndarray, digits: int) -> str:
@@ -132,35 +143,35 @@ def _vector(values: np.ndarray, digits: int) -> str:
     return ", ".join(f"{value:.{digits}f}".replace("-", "−") for value in rounded)
 
 
-def setting_table(plan: Plan, part: Part, camera: Camera) -> str:
-    """Every setting: where it stands, where it looks, and what it measures."""
-    if not plan.settings:
+def viewpoint_table(plan: Plan, part: Part, camera: Camera) -> str:
+    """Every viewpoint: where it stands, where it acquisitions, and what it measures."""
+    if not plan.viewpoints:
         return element("p", "None.")
-    head = [
-        ("Setting", ""),
+    pose_error = [
+        ("Viewpoint", ""),
         ("Position x, y, z / mm", "num"),
         ("Viewing direction", "num"),
         ("Working distance / mm", "num"),
         ("Pixel on the part / mm", "num"),
         ("Measures", "num"),
-        ("Dimensions", "limit"),
+        ("Characteristics", "limit"),
     ]
-    colours = setting_colours(plan)
+    colours = viewpoint_colours(plan)
     rows = []
-    for setting in plan.settings:
-        distance = working_distance_mm(setting, plan, part)
+    for viewpoint in plan.viewpoints:
+        distance = working_distance_mm(viewpoint, plan, part)
         pixel = distance * max(camera.pixel_pitch_mm) / camera.focal_length_mm
         cells = (
-            element("td", markup=_setting_mark(setting.id, colours)),
-            element("td", _vector(setting.T_part_camera[:3, 3], 1), class_="num"),
-            element("td", _vector(setting.T_part_camera[:3, 2], 3), class_="num"),
+            element("td", markup=_viewpoint_mark(viewpoint.id, colours)),
+            element("td", _vector(viewpoint.T_part_camera[:3, 3], 1), class_="num"),
+            element("td", _vector(viewpoint.T_part_camera[:3, 2], 3), class_="num"),
             element("td", f"{distance:.0f}", class_="num"),
             element("td", f"{pixel:.3f}", class_="num"),
-            element("td", str(len(setting.observes)), class_="num"),
-            element("td", ", ".join(setting.observes), class_="limit"),
+            element("td", str(len(viewpoint.observes)), class_="num"),
+            element("td", ", ".join(viewpoint.observes), class_="limit"),
         )
         rows.append(element("tr", markup="".join(cells)))
-    return markup_table(head, rows)
+    return markup_table(pose_error, rows)
 
 
 def fact_table(facts: Mapping[str, str]) -> str:

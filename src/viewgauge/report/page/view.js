@@ -1,5 +1,5 @@
-// The pictures: the part with its gauges, the same with the cameras, and the laws of a dimension when it is opened.
-// The filter of the dimensions, and the links to the sections.
+// The pictures: the part with its measurands, the same with the cameras, and the laws of a characteristic when it is opened.
+// The filter of the characteristics, and the links to the sections.
 (function () {
   const text = document.getElementById("scene").textContent;
   const [light, dark] = JSON.parse(text).themes;
@@ -20,18 +20,18 @@
   }
   function draw(id, picture) {
     drawn = drawn.filter((other) => other.id !== id).concat({ id, picture });
-    const { data, layout, settings } = picture(fresh());
-    return Plotly.react(id, data, layout, settings);
+    const { data, layout, viewpoints } = picture(fresh());
+    return Plotly.react(id, data, layout, viewpoints);
   }
   function closeup(scene) {
-    return { data: scene.part, layout: scene.layout, settings: config };
+    return { data: scene.part, layout: scene.layout, viewpoints: config };
   }
   function overview(scene) {
     for (const trace of scene.part) {
       trace.showlegend = false;
       if (trace.type === "scatter3d") trace.mode = "lines"; // too small here for marks and names
     }
-    return { data: scene.part.concat(scene.cameras), layout: scene.layout, settings: config };
+    return { data: scene.part.concat(scene.cameras), layout: scene.layout, viewpoints: config };
   }
   draw("closeup", closeup);
   draw("overview", overview);
@@ -40,7 +40,7 @@
     law.addEventListener("toggle", () => {
       for (const half of [0, 1]) {
         const id = `${law.dataset.law}-${half}`;
-        if (law.open) draw(id, (scene) => ({ ...scene.laws[law.dataset.law][half], settings: quiet }));
+        if (law.open) draw(id, (scene) => ({ ...scene.laws[law.dataset.law][half], viewpoints: quiet }));
         else drawn = drawn.filter((other) => other.id !== id);
       }
     });
@@ -70,7 +70,7 @@
         row.hidden = !hit;
         shown += hit;
       });
-      count.textContent = shown === rows.length ? `${rows.length} dimensions` : `${shown} of ${rows.length} dimensions`;
+      count.textContent = shown === rows.length ? `${rows.length} characteristics` : `${shown} of ${rows.length} characteristics`;
     }
     form.addEventListener("input", filter);
     form.addEventListener("submit", (event) => event.preventDefault());

@@ -1,17 +1,19 @@
-"""The report's section with what the camera sees from each setting."""
+"""The report's section with what the camera sees from each viewpoint."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..pictures.view_picture import SettingView, unseen_table, view_picture
+from ..pictures.view_picture import ViewpointView, unseen_table, view_picture
 from ..wording import element
 
 __all__ = ["view_section"]
 
 
-def view_section(views: Sequence[SettingView], required: float, most: int) -> str:
-    """A simulated picture with its gauges for each of at most so many settings, and what cannot be measured there."""
+def view_section(views: Sequence[ViewpointView], required: float, most: int) -> str:
+    """A simulated picture with its measurands for each of at most so many viewpoints, and what cannot be measured
+    there.
+    """
     if not views[:most]:
         return ""
     hint = (
@@ -19,11 +21,11 @@ def view_section(views: Sequence[SettingView], required: float, most: int) -> st
         "A line's pointer text has its probability."
     )
     if len(views) > most:
-        hint += f" The first {most} of {len(views)} settings are here."
+        hint += f" The first {most} of {len(views)} viewpoints are here."
     cards = "".join(
         element(
             "article",
-            markup=element("h3", view.setting) + view_picture(view, required) + unseen_table(view.dimensions),
+            markup=element("h3", view.viewpoint) + view_picture(view, required) + unseen_table(view.characteristics),
             class_="shot",
         )
         for view in views[:most]

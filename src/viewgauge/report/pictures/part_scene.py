@@ -1,4 +1,4 @@
-"""The part, the gauges and the camera frusta as Plotly traces."""
+"""The part, the measurands and the camera frusta as Plotly traces."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 
 from ...part.characteristic import Part
 from ...part.mesh import Mesh
-from ...planning.plan import Plan, PlannedDimension, PlannedSetting
+from ...planning.plan import Plan, PlannedCharacteristic, PlannedViewpoint
 from ...sensors.camera import Camera
-from ..palette import UNMET_COLOUR, setting_colours, setting_markers
+from ..palette import NOT_MET_COLOUR, viewpoint_colours, viewpoint_markers
 from ..wording import length, probability
 from .simplify import picture_mesh
 
-__all__ = ["TRIANGLE_LIMIT", "build_scene", "gauge_scene"]
+__all__ = ["TRIANGLE_LIMIT", "build_scene", "measurand_scene"]
 
 TRIANGLE_LIMIT = 150_000
 """Most triangles shown."""
 
 LABEL_LIMIT = 60
-"""Most gauges that are labelled in the picture; of more, only the pointer tells the names."""
+"""Most measurands that are labelled in the picture; of more, only the pointer tells the names."""
 
 Trace = dict[str, Any]
 Polyline = NDArray[np.float64]
@@ -77,20 +77,22 @@ def _plain(text: str) -> str:
     return text.replace("<", "‹").replace(">", "›")
 
 
-def _gauge_text(dimension: PlannedDimension) -> str:
+def _measurand_text(characteristic: PlannedCharacteristic) -> str:
     """What the pointer shows."""
     return (
-        f"<b>{_plain(dimension.id)}</b><br>nominal {length(dimension.nominal_mm)} mm"
-        f"<br>probability {probability(dimension.probability)}<br>{_plain(dimension.setting or 'not met')}"
+        f"<b>{_plain(characteristic.id)}</b><br>nominal {length(characteristic.nominal_mm)} mm"
+        f"<br>probability {probability(characteristic.probability)}<br>{_plain(characteristic.viewpoint or 'not met')}"
     )
 
 
-def _gauge_trace(dimensions: list[PlannedDimension], name: str, line: Trace, marker: Trace, *, labelled: bool) -> Trace:
-    """Gauges as lines with a third, middle point, where the pointer finds the line and the label stands."""
-    gauges = [np.asarray(dimension.gauge, dtype=float) for dimension in dimensions]
-    polylines = [np.stack([gauge[0], gauge.mean(axis=0), gauge[1]]) for gauge in gauges]
-    texts = [text for dimension in dimensions for text in [_gauge_text(dimension)] * 3 + [""]]
-    labels = [text for dimension in dimensions for text in ("", _plain(dimension.id), "", "")]
+def _measurand_trace(
+    characteristics: list[PlannedCharacteristic], name: str, line: Trace, marker: Trace, *, labelled: bool
+) -> Trace:
+    """Measurands as lines with a third, middle point, where the pointer finds the line and the label stands."""
+    measurands = [np.asarray(characteristic.measurand, dtype=float) for characteristic in characteristics]
+    polylines = [np.stack([measurand[0], measurand.mean(axis=0), measurand[1]]) for measurand in measurands]
+    texts = [text for characteristic in characteristics for text in [_measurand_text(characteristic)] * 3 + [""]]
+    labels = [text for characteristic in characteristics for text in ("", _plain(characteristic.id), "", "")]
     return {
         "type": "scatter3d",
         "mode": "lines+markers+text" if labelled else "lines+markers",
@@ -106,32 +108,32 @@ def _gauge_trace(dimensions: list[PlannedDimension], name: str, line: Trace, mar
     }
 
 
-def _gauge_traces(plan: Plan) -> list[Trace]:
-    """One trace per setting, and one, unmistakable, for the dimensions that are not met."""
-    colours, markers = setting_colours(plan), setting_markers(plan)
-    shown = [dimension for dimension in plan.dimensions if dimension.gauge is not None]
+def _measurand_traces(plan: Plan) -> list[Trace]:
+    """One trace per viewpoint, and one, unmistakable, for the characteristics that are not met."""
+    colours, markers = viewpoint_colours(plan), viewpoint_markers(plan)
+    shown = [characteristic for characteristic in plan.characteristics if characteristic.measurand is not None]
     labelled = len(shown) <= LABEL_LIMIT
     traces = []
-    for setting in plan.settings:
-        mine = [dimension for dimension in shown if dimension.setting == setting.id]
-        colour = colours[setting.id]
-        marker = {"color": colour, "size": 5, "symbol": markers[setting.id]}
+    for viewpoint in plan.viewpoints:
+        mine = [characteristic for characteristic in shown if characteristic.viewpoint == viewpoint.id]
+        colour = colours[viewpoint.id]
+        marker = {"color": colour, "size": 5, "symbol": markers[viewpoint.id]}
         line = {"color": colour, "width": 8}
-        traces.append(_gauge_trace(mine, setting.id, line, marker, labelled=labelled))
-    unmet = [dimension for dimension in shown if dimension.status != "met"]
-    if unmet:
-        marker = {"color": UNMET_COLOUR, "size": 7, "symbol": "diamond"}
-        line = {"color": UNMET_COLOUR, "width": 14}
-        traces.append(_gauge_trace(unmet, "✗ not met", line, marker, labelled=labelled))
+        traces.append(_measurand_trace(mine, viewpoint.id, line, marker, labelled=labelled))
+    not_met = [characteristic for characteristic in shown if characteristic.status != "met"]
+    if not_met:
+        marker = {"color": NOT_MET_COLOUR, "size": 7, "symbol": "diamond"}
+        line = {"color": NOT_MET_COLOUR, "width": 14}
+        traces.append(_measurand_trace(not_met, "✗ not met", line, marker, labelled=labelled))
     return traces
 
 
-def _frustum(setting: PlannedSetting, camera: Camera, depth_mm: float) -> list[Polyline]:
+def _frustum(viewpoint: PlannedViewpoint, camera: Camera, depth_mm: float) -> list[Polyline]:
     """The pyramid seen by the camera, as two closed strokes: its outline and its base."""
     columns, rows = camera.resolution
     corners_px = np.array([[-0.5, -0.5], [columns - 0.5, -0.5], [columns - 0.5, rows - 0.5], [-0.5, rows - 0.5]])
     rays = np.column_stack([camera.from_pixels(corners_px) / camera.focal_length_mm, np.ones(4)]) * depth_mm
-    T = setting.T_part_camera
+    T = viewpoint.T_part_camera
     apex, base = T[:3, 3], rays @ T[:3, :3].T + T[:3, 3]
     return [
         np.stack([base[0], apex, base[1], base[2], apex, base[3], base[2]]),
@@ -143,18 +145,18 @@ def _frustum_depth(plan: Plan, part: Part) -> float:
     """Height of the drawn pyramids, mm: large enough to be seen beside the part, but short of it."""
     low, high = part.mesh.bounds
     centre = (low + high) / 2
-    distances = [float(np.linalg.norm(setting.T_part_camera[:3, 3] - centre)) for setting in plan.settings]
+    distances = [float(np.linalg.norm(viewpoint.T_part_camera[:3, 3] - centre)) for viewpoint in plan.viewpoints]
     return min([0.45 * float(np.linalg.norm(high - low)), *(distance / 3 for distance in distances)])
 
 
 def _camera_traces(plan: Plan, camera: Camera, size_mm: float) -> list[Trace]:
-    colours = setting_colours(plan)
+    colours = viewpoint_colours(plan)
     traces: list[Trace] = []
-    for setting in plan.settings:
-        colour, name = colours[setting.id], _plain(setting.id)
-        apex = setting.T_part_camera[:3, 3]
+    for viewpoint in plan.viewpoints:
+        colour, name = colours[viewpoint.id], _plain(viewpoint.id)
+        apex = viewpoint.T_part_camera[:3, 3]
         shared = {"type": "scatter3d", "name": name, "legendgroup": name}
-        frustum = _coordinates(_frustum(setting, camera, size_mm))
+        frustum = _coordinates(_frustum(viewpoint, camera, size_mm))
         traces.append(
             {**shared, "mode": "lines", **frustum, "line": {"color": colour, "width": 4}, "hoverinfo": "skip"}
         )
@@ -204,22 +206,24 @@ def _layout() -> Trace:
     }
 
 
-def gauge_scene(plan: Plan) -> dict[str, Any]:
-    """The pictures' data where the part is not at hand: gauges, and the cameras as points; as :func:`build_scene`."""
+def measurand_scene(plan: Plan) -> dict[str, Any]:
+    """The pictures' data where the part is not at hand: measurands, and the cameras as points; as
+    :func:`build_scene`.
+    """
     cameras = [
         {
             "type": "scatter3d",
             "mode": "markers+text",
-            **{axis: [float(setting.T_part_camera[k, 3])] for k, axis in enumerate("xyz")},
-            "text": [_plain(setting.id)],
+            **{axis: [float(viewpoint.T_part_camera[k, 3])] for k, axis in enumerate("xyz")},
+            "text": [_plain(viewpoint.id)],
             "textposition": "top center",
-            "marker": {"color": setting_colours(plan)[setting.id], "size": 6, "symbol": "square"},
-            "name": _plain(setting.id),
+            "marker": {"color": viewpoint_colours(plan)[viewpoint.id], "size": 6, "symbol": "square"},
+            "name": _plain(viewpoint.id),
             "showlegend": False,
         }
-        for setting in plan.settings
+        for viewpoint in plan.viewpoints
     ]
-    return {"part": _gauge_traces(plan), "cameras": cameras, "layout": _layout()}
+    return {"part": _measurand_traces(plan), "cameras": cameras, "layout": _layout()}
 
 
 def build_scene(
@@ -229,12 +233,12 @@ def build_scene(
 
     Returns
     -------
-    ``part`` (traces of the part and the gauges), ``cameras`` (traces of the frusta), ``layout``; the remark.
+    ``part`` (traces of the part and the measurands), ``cameras`` (traces of the frusta), ``layout``; the remark.
     """
     mesh = picture_mesh(part.mesh, triangle_limit)
     shown, total = len(mesh.triangles), len(part.mesh.triangles)
     remark = "" if shown == total else f"The picture shows a coarser part: {shown:,} of {total:,} triangles."
-    traces = [_mesh_trace(mesh), _feature_trace(part), *_gauge_traces(plan)]
+    traces = [_mesh_trace(mesh), _feature_trace(part), *_measurand_traces(plan)]
     return {
         "part": traces,
         "cameras": _camera_traces(plan, camera, _frustum_depth(plan, part)),

@@ -1,4 +1,4 @@
-"""What a camera sees from a setting, with the gauges of the dimensions drawn on it, as SVG."""
+"""What a camera sees from a viewpoint, with the measurands of the characteristics drawn on it, as SVG."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..palette import probability_colour
 from ..wording import element, probability
 
-__all__ = ["REASON_WORDS", "SeenDimension", "SettingView", "unseen_table", "view_picture"]
+__all__ = ["REASON_WORDS", "SeenCharacteristic", "ViewpointView", "unseen_table", "view_picture"]
 
 REASON_WORDS = {
     "behind_camera": "behind the camera",
@@ -26,19 +26,19 @@ REASON_WORDS = {
 """Of the observability conditions."""
 
 _LABELS = 30
-"""Most gauges that are named in the picture."""
+"""Most measurands that are named in the picture."""
 
 
 @dataclass(frozen=True)
-class SeenDimension:
-    """A dimension in the image of a setting.
+class SeenCharacteristic:
+    """A characteristic in the image of a viewpoint.
 
     Parameters
     ----------
     reason
         Why it cannot be measured from here; empty where it can.
     ends_px
-        ``(2, 2)`` px in the full image: the two points of its gauge; None where not visible.
+        ``(2, 2)`` px in the full image: the two points of its measurand; None where not visible.
     probability
         From here; 0 where not visible.
     planned
@@ -53,8 +53,8 @@ class SeenDimension:
 
 
 @dataclass(frozen=True)
-class SettingView:
-    """A simulated image of a setting and what is in it.
+class ViewpointView:
+    """A simulated image of a viewpoint and what is in it.
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ class SettingView:
         Columns and rows of the full image, px.
     """
 
-    setting: str
+    viewpoint: str
     png: bytes
     resolution: tuple[int, int]
-    dimensions: tuple[SeenDimension, ...]
+    characteristics: tuple[SeenCharacteristic, ...]
 
 
-def view_picture(view: SettingView, required: float, *, chosen: str | None = None) -> str:
-    """The image with the gauges on it, coloured by probability; the chosen one is drawn stronger.
+def view_picture(view: ViewpointView, required: float, *, chosen: str | None = None) -> str:
+    """The image with the measurands on it, coloured by probability; the chosen one is drawn stronger.
 
     Parameters
     ----------
@@ -80,43 +80,43 @@ def view_picture(view: SettingView, required: float, *, chosen: str | None = Non
     """
     columns, rows = view.resolution
     unit = columns / 480  # px of the image for each of the picture
-    seen = [dimension for dimension in view.dimensions if dimension.ends_px is not None]
-    seen.sort(key=lambda dimension: (dimension.id == chosen, dimension.planned))
-    named = {dimension.id for dimension in seen[-_LABELS:]}
-    marks = "".join(_gauge(d, required, unit, chosen=d.id == chosen, named=d.id in named) for d in seen)
+    seen = [characteristic for characteristic in view.characteristics if characteristic.ends_px is not None]
+    seen.sort(key=lambda characteristic: (characteristic.id == chosen, characteristic.planned))
+    named = {characteristic.id for characteristic in seen[-_LABELS:]}
+    marks = "".join(_measurand(d, required, unit, chosen=d.id == chosen, named=d.id in named) for d in seen)
     picture = base64.b64encode(view.png).decode()
-    planned = sum(dimension.planned for dimension in seen)
-    told = f"Simulated view of {view.setting}: {len(seen)} dimensions visible, {planned} measured from here"
+    planned = sum(characteristic.planned for characteristic in seen)
+    reported = f"Simulated view of {view.viewpoint}: {len(seen)} characteristics visible, {planned} measured from here"
     return (
-        f'<svg class="view" role="img" aria-label="{escape(told)}" viewBox="-0.5 -0.5 {columns} {rows}" '
+        f'<svg class="view" role="img" aria-label="{escape(reported)}" viewBox="-0.5 -0.5 {columns} {rows}" '
         'style="width:100%;height:auto;display:block;border-radius:6px">'
-        f"<title>{escape(told)}</title>"
+        f"<title>{escape(reported)}</title>"
         f'<image x="-0.5" y="-0.5" width="{columns}" height="{rows}" href="data:image/png;base64,{picture}"/>'
         f"{marks}</svg>"
     )
 
 
-def _gauge(dimension: SeenDimension, required: float, unit: float, *, chosen: bool, named: bool) -> str:
-    assert dimension.ends_px is not None  # the caller's condition
-    (u0, v0), (u1, v1) = np.round(dimension.ends_px, 1)
-    colour = probability_colour(dimension.probability, required)
-    strong = chosen or dimension.planned
-    width = unit * (4.0 if chosen else 2.6 if dimension.planned else 1.4)
+def _measurand(characteristic: SeenCharacteristic, required: float, unit: float, *, chosen: bool, named: bool) -> str:
+    assert characteristic.ends_px is not None  # the caller's condition
+    (u0, v0), (u1, v1) = np.round(characteristic.ends_px, 1)
+    colour = probability_colour(characteristic.probability, required)
+    strong = chosen or characteristic.planned
+    width = unit * (4.0 if chosen else 2.6 if characteristic.planned else 1.4)
     dashes = "" if strong else f' stroke-dasharray="{4 * unit:.1f} {3 * unit:.1f}"'
-    met = dimension.probability >= required
+    met = characteristic.probability >= required
     ends = "".join(_end(u, v, unit * (4.5 if chosen else 3.2), colour, met) for u, v in ((u0, v0), (u1, v1)))
-    told = f"{dimension.id}: probability {probability(dimension.probability)}"
+    reported = f"{characteristic.id}: probability {probability(characteristic.probability)}"
     line = f'x1="{u0}" y1="{v0}" x2="{u1}" y2="{v1}" stroke-linecap="round"'
     words = ""
     if named:
-        size, (u, v) = 13 * unit, (dimension.ends_px[0] + dimension.ends_px[1]) / 2
+        size, (u, v) = 13 * unit, (characteristic.ends_px[0] + characteristic.ends_px[1]) / 2
         words = (
             f'<text x="{u + 5 * unit:.1f}" y="{v - 5 * unit:.1f}" font-size="{size:.1f}" font-weight="600" '
             f'font-family="system-ui, sans-serif" fill="#ffffff" stroke="#101820" stroke-width="{3 * unit:.1f}" '
-            f'paint-order="stroke">{escape(("" if met else "✗ ") + dimension.id)}</text>'
+            f'paint-order="stroke">{escape(("" if met else "✗ ") + characteristic.id)}</text>'
         )
     return (
-        f"<g><title>{escape(told)}</title>"
+        f"<g><title>{escape(reported)}</title>"
         f'<line {line} stroke="#ffffff" stroke-opacity="0.85" stroke-width="{width + 2 * unit:.1f}"/>'
         f'<line {line} stroke="{colour}" stroke-width="{width:.1f}"{dashes}/>{ends}{words}</g>'
     )
@@ -130,14 +130,14 @@ def _end(u: float, v: float, radius: float, colour: str, met: bool) -> str:
     return f'<path d="M{u} {v - r:.1f} L{u + r:.1f} {v} L{u} {v + r:.1f} L{u - r:.1f} {v} Z" {shared}/>'
 
 
-def unseen_table(dimensions: Sequence[SeenDimension]) -> str:
-    """Which dimensions cannot be measured from here, and why: one row for each reason."""
+def unseen_table(characteristics: Sequence[SeenCharacteristic]) -> str:
+    """Which characteristics cannot be measured from here, and why: one row for each reason."""
     by_reason: dict[str, list[str]] = {}
-    for dimension in dimensions:
-        if dimension.reason:
-            by_reason.setdefault(dimension.reason, []).append(dimension.id)
+    for characteristic in characteristics:
+        if characteristic.reason:
+            by_reason.setdefault(characteristic.reason, []).append(characteristic.id)
     if not by_reason:
-        return element("p", "Every dimension is visible from here.", class_="hint")
+        return element("p", "Every characteristic is visible from here.", class_="hint")
     rows = "".join(
         element(
             "tr",

@@ -1,4 +1,4 @@
-"""The RECONSTRUCTION of the paper's five-setting experiment keeps what its page says of it."""
+"""The RECONSTRUCTION of the paper's five-viewpoint experiment keeps what its page says of it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def import_example() -> Iterator[object]:
 
 @pytest.fixture(scope="module")
 def script(import_example: type) -> ModuleType:
-    return import_example("five_settings")
+    return import_example("five_viewpoints")
 
 
 def test_every_relation_of_the_text_holds(script: ModuleType) -> None:
@@ -36,7 +36,7 @@ def test_every_relation_of_the_text_holds(script: ModuleType) -> None:
     assert [relation for relation in checked if not relation.holds] == []
 
 
-def test_exit_code_tells_a_failed_relation(
+def test_exit_code_reports_a_failed_relation(
     script: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert script.main(["--draws", "1000"]) == 0
@@ -65,9 +65,9 @@ def test_printed_numbers_by_drawing_independent_end_points(script: ModuleType) -
     # 100 000 draws: a standard error of at most 0.0016; 4.5 of them leave a false alarm of under 1e-4 in five tests,
     # beside the 0.0005 by which the rounded parameters miss the printed numbers
     experiment = script.RECONSTRUCTION
-    for setting, (start, end) in zip(experiment.settings, experiment.ends(), strict=True):
+    for viewpoint, (start, end) in zip(experiment.viewpoints, experiment.ends(), strict=True):
         drawn = independent_probability(experiment, start, end, 100_000)
-        assert drawn == pytest.approx(setting.printed_probability, abs=0.0076), setting.name
+        assert drawn == pytest.approx(viewpoint.printed_probability, abs=0.0076), viewpoint.name
 
 
 @pytest.mark.parametrize("model", ["independent", "joint"])
@@ -81,27 +81,27 @@ def test_public_function_gives_the_same_probabilities(script: ModuleType, model:
 def test_image_length_is_that_of_the_corrected_eq_22(script: ModuleType) -> None:
     experiment = script.RECONSTRUCTION
     lengths = experiment.displacement_law("joint").length_mm
-    for setting, length in zip(experiment.settings[:3], lengths, strict=False):
-        beta, depth = np.radians(setting.inclination_deg), setting.distance_mm
+    for viewpoint, length in zip(experiment.viewpoints[:3], lengths, strict=False):
+        beta, depth = np.radians(viewpoint.inclination_deg), viewpoint.distance_mm
         half = experiment.length_mm * np.cos(beta) / 2
         expected = experiment.length_mm * experiment.focal_length_mm * np.sin(beta) * depth / (depth**2 - half**2)
-        assert length == pytest.approx(expected, rel=1e-12), setting.name
+        assert length == pytest.approx(expected, rel=1e-12), viewpoint.name
 
 
 def test_table_is_the_rounded_fit(script: ModuleType, import_example: type) -> None:
-    fit = import_example("fit_five_settings")
+    fit = import_example("fit_five_viewpoints")
     _, found, residual = fit.refine()
     assert residual < fit.ACCEPTED_RESIDUAL
     fitted = found.experiment(script.RECONSTRUCTION.focal_length_mm)
     assert script.RECONSTRUCTION.image_angle_deg == round(fitted.image_angle_deg, 1)
-    for rounded, exact in zip(script.RECONSTRUCTION.settings, fitted.settings, strict=True):
+    for rounded, exact in zip(script.RECONSTRUCTION.viewpoints, fitted.viewpoints, strict=True):
         for name in ("distance_mm", "horizontal_deg", "vertical_deg", "inclination_deg"):
             assert getattr(rounded, name) == round(getattr(exact, name), 1), (rounded.name, name)
 
 
 def test_approximate_solution_is_near_the_fit(import_example: type) -> None:
     """Neglected: fourth powers of half-length over distance (0.3 at most) and focal length over distance (0.03)."""
-    fit = import_example("fit_five_settings")
+    fit = import_example("fit_five_viewpoints")
     first = fit.approximate(*fit.CHOSEN)
     found, _ = fit.solve(first, ("image_angle", "far"), fit.CHOSEN[0])
     assert found.translation_mm == pytest.approx(first.translation_mm, rel=0.1)
@@ -117,12 +117,12 @@ def test_page_shows_what_the_command_prints(script: ModuleType) -> None:
     assert script.spread_table(rows) in page
     assert script.remedy_table(script.RECONSTRUCTION) in page
     for row in rows:
-        assert f"| {row.setting.printed_probability:.2f} | {row.independent:.4f} | {row.joint:.4f} |" in page
+        assert f"| {row.viewpoint.printed_probability:.2f} | {row.independent:.4f} | {row.joint:.4f} |" in page
     for relation in script.relations(script.RECONSTRUCTION, rows):
         assert f"| {relation.statement} | {relation.numbers} | pass |" in page
 
 
-def test_exact_camera_confirms_the_joint_model(script: ModuleType) -> None:
+def test_full_camera_confirms_the_joint_model(script: ModuleType) -> None:
     # five intervals of 99 %: a false alarm in one of 20 seeds, and the seed is fixed
     joint = script.RECONSTRUCTION.probability("joint")
     for p, exact in zip(joint, script.estimate(script.RECONSTRUCTION, 100_000), strict=True):

@@ -1,15 +1,15 @@
-"""Gauges given by two points of a mesh, and the lines of a mesh for pictures."""
+"""Measurands given by two points of a mesh, and the lines of a mesh for pictures."""
 
 import numpy as np
 import pytest
 import trimesh
-from breps import box_mesh, callout, drilled_plate, face
+from breps import box_mesh, drilled_plate, face, pmi_record
 from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgauge.exceptions import InputError
 from viewgauge.part import Mesh
-from viewgauge.part.characteristics.point_pairs import distance_to_triangles, gauge_on_mesh
+from viewgauge.part.characteristics.point_pairs import distance_to_triangles, measurand_on_mesh
 from viewgauge.part.feature_lines import brep_feature_lines, mesh_feature_lines
 
 BOX = box_mesh([0, 0, 0], [60, 40, 30])
@@ -20,17 +20,17 @@ def rows(normals):
 
 
 def test_normals_are_those_of_the_faces_at_each_end():
-    gauge = gauge_on_mesh(BOX, [0, 0, 30], [60, 20, 30])
-    assert gauge.length_mm == pytest.approx(np.hypot(60, 20))
-    assert rows(gauge.start_normals) == {(-1, 0, 0), (0, -1, 0), (0, 0, 1)}
-    assert rows(gauge.end_normals) == {(1, 0, 0), (0, 0, 1)}
-    assert rows(gauge_on_mesh(BOX, [0, 20, 30], [30, 11, 30]).end_normals) == {(0, 0, 1)}
+    measurand = measurand_on_mesh(BOX, [0, 0, 30], [60, 20, 30])
+    assert measurand.length_mm == pytest.approx(np.hypot(60, 20))
+    assert rows(measurand.start_normals) == {(-1, 0, 0), (0, -1, 0), (0, 0, 1)}
+    assert rows(measurand.end_normals) == {(1, 0, 0), (0, 0, 1)}
+    assert rows(measurand_on_mesh(BOX, [0, 20, 30], [30, 11, 30]).end_normals) == {(0, 0, 1)}
 
 
 def test_point_near_the_surface_has_the_nearest_faces():
-    gauge = gauge_on_mesh(BOX, [0, 20, 30.05], [60, 20, 30], tolerance_mm=1e-3)
-    assert rows(gauge.start_normals) <= {(-1, 0, 0), (0, 0, 1)}
-    assert len(gauge.start_normals) >= 1
+    measurand = measurand_on_mesh(BOX, [0, 20, 30.05], [60, 20, 30], tolerance_mm=1e-3)
+    assert rows(measurand.start_normals) <= {(-1, 0, 0), (0, 0, 1)}
+    assert len(measurand.start_normals) >= 1
 
 
 @pytest.mark.parametrize(
@@ -47,15 +47,15 @@ def test_point_near_the_surface_has_the_nearest_faces():
 )
 def test_bad_points_are_refused(start, end, message):
     with pytest.raises(InputError, match=message):
-        gauge_on_mesh(BOX, start, end)
+        measurand_on_mesh(BOX, start, end)
 
 
 def test_chord_error_widens_what_counts_as_touching():
     sphere = trimesh.creation.icosphere(subdivisions=2, radius=20.0)
     rough = Mesh(sphere.vertices, sphere.faces.astype(np.int64), chord_error_mm=0.5)
-    gauge = gauge_on_mesh(rough, [0, 0, 20], [0, 0, -20])
-    assert (gauge.start_normals[:, 2] > 0.9).all()
-    assert (gauge.end_normals[:, 2] < -0.9).all()
+    measurand = measurand_on_mesh(rough, [0, 0, 20], [0, 0, -20])
+    assert (measurand.start_normals[:, 2] > 0.9).all()
+    assert (measurand.end_normals[:, 2] < -0.9).all()
 
 
 @given(st.lists(st.floats(-100, 100), min_size=3, max_size=3))
@@ -88,5 +88,5 @@ def test_smooth_facets_are_no_feature_lines_but_open_borders_are():
 
 def test_brep_lines_leave_out_seams_and_smooth_edges():
     solid, (hole,) = drilled_plate([(20.0, 20.0)])
-    brep = solid.brep(callout("diameter", 8.0, [face(i) for i in hole]))
+    brep = solid.brep(pmi_record("diameter", 8.0, [face(i) for i in hole]))
     assert len(brep_feature_lines(brep)) == 12 + 4

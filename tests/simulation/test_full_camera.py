@@ -1,4 +1,4 @@
-"""The exact camera against a scalar one written out by hand, and against the laws it is there to judge."""
+"""The full camera model against a scalar one written out by hand, and against the laws it is there to judge."""
 
 import csv
 import math
@@ -28,9 +28,9 @@ for i, j, r in ((0, 4, 0.9), (1, 3, -0.8), (0, 1, 0.2), (2, 5, 0.5)):
     CORRELATION[i, j] = CORRELATION[j, i] = r
 DEVIATIONS = np.array([0.3, 0.2, 0.5, 4e-4, 6e-4, 3e-4])
 FULL = CORRELATION * np.outer(DEVIATIONS, DEVIATIONS)
-HEAD = np.eye(4)
-HEAD[:3, :3] = Rotation.from_euler("XYZ", [0.4, -0.7, 1.1]).as_matrix()
-HEAD[:3, 3] = [20.0, -35.0, -80.0]
+POSE_ERROR = np.eye(4)
+POSE_ERROR[:3, :3] = Rotation.from_euler("XYZ", [0.4, -0.7, 1.1]).as_matrix()
+POSE_ERROR[:3, 3] = [20.0, -35.0, -80.0]
 
 
 def shift_and_angles(displacement):
@@ -46,23 +46,25 @@ def shift_and_angles(displacement):
 
 
 def scalar_length(points, twist, f):
-    """Image length after the motion of eq. (6), in plain numbers: one rotation after the other, in the head frame."""
+    """Image length after the motion of eq. (6), in plain numbers: one rotation after the other, in the pose error
+    frame.
+    """
     images = []
     for point in points:
-        q = [point[k] - HEAD[k, 3] for k in range(3)]
-        x, y, z = (sum(HEAD[k, axis] * q[k] for k in range(3)) for axis in range(3))  # into the head frame
+        q = [point[k] - POSE_ERROR[k, 3] for k in range(3)]
+        x, y, z = (sum(POSE_ERROR[k, axis] * q[k] for k in range(3)) for axis in range(3))  # into the pose error frame
         dx, dy, dz, rx, ry, rz = map(float, twist)
         x, y = math.cos(rz) * x - math.sin(rz) * y, math.sin(rz) * x + math.cos(rz) * y
         z, x = math.cos(ry) * z - math.sin(ry) * x, math.sin(ry) * z + math.cos(ry) * x
         y, z = math.cos(rx) * y - math.sin(rx) * z, math.sin(rx) * y + math.cos(rx) * z
         moved = (x + dx, y + dy, z + dz)
-        X, Y, Z = (sum(HEAD[axis, k] * moved[k] for k in range(3)) + HEAD[axis, 3] for axis in range(3))
+        X, Y, Z = (sum(POSE_ERROR[axis, k] * moved[k] for k in range(3)) + POSE_ERROR[axis, 3] for axis in range(3))
         images.append((f * X / Z, f * Y / Z))
     return math.dist(*images)
 
 
 def test_each_draw_equals_a_camera_written_out_in_plain_numbers():
-    error = vg.PoseError(FULL * 100, T_camera_head=HEAD)  # large: rotations of several mrad, beyond first order
+    error = vg.PoseError(FULL * 100, T_camera_frame=POSE_ERROR)  # large: rotations of several mrad, beyond first order
     twists = shift_and_angles(draw_pose_errors(error, 50, np.random.default_rng(5)))
     errors = simulate_length_errors(START, END, IDEAL, error, 50, np.random.default_rng(5))
     nominal = math.dist(*([16 * p[0] / p[2], 16 * p[1] / p[2]] for p in (START, END)))
@@ -186,12 +188,12 @@ def tolerance_of(deviations, end, error):
     "error",
     [
         vg.PoseError.from_standard_deviations(0.1, 3e-4, pivot_mm=(0.0, 0.0, -16.0)),
-        vg.PoseError(FULL, T_camera_head=HEAD),
+        vg.PoseError(FULL, T_camera_frame=POSE_ERROR),
     ],
     ids=["lens pivot", "full covariance"],
 )
 @pytest.mark.parametrize("end", [END, (-30.0, 45.0, 470.0)], ids=["slanted", "upright"])
-def test_the_joint_law_lies_within_the_interval_of_the_exact_camera(end, error, deviations):
+def test_the_joint_law_lies_within_the_interval_of_the_full_camera(end, error, deviations):
     # 12 cases, 99.9 % intervals: false alarm at most 1.2 % in all, seed fixed. 2e-4: what the first order leaves
     # out (theory section 5).
     tolerance = tolerance_of(deviations, end, error)
@@ -208,7 +210,7 @@ def test_the_independent_law_does_not():
     assert success_probability(START, END, CAMERA, error, tolerance, "independent") < estimate.low - 0.1
 
 
-def test_reference_probabilities_of_the_exact_camera_are_met():
+def test_reference_probabilities_of_the_full_camera_are_met():
     # Source: p_joint_exact, quasi-Monte Carlo by other code. Every row of the 40, 100 000 draws each, within
     # 4.5 standard errors of both together: false alarm 7e-6 each, 3e-4 in all; seed fixed.
     if not REFERENCE.exists():

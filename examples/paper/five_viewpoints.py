@@ -1,12 +1,12 @@
-"""A RECONSTRUCTION of the five-setting experiment of Yang, Marefat and Ciarallo (1998), section V.
+"""A RECONSTRUCTION of the five-viewpoint experiment of Yang, Marefat and Ciarallo (1998), section V.
 
-The paper prints five probabilities and what relates the five sensor settings, but no parameter. The parameters
-below are FITTED (fit_five_settings.py) so that the paper's independent model gives its five numbers and every
+The paper prints five probabilities and what relates the five viewpoints, but no parameter. The parameters
+below are FITTED (fit_five_viewpoints.py) so that the paper's independent model gives its five numbers and every
 relation in its text holds. They are one member of a family, not the authors' values.
 
-Usage: python five_settings.py [--draws N]
+Usage: python five_viewpoints.py [--draws N]
 
-Prints the settings, the relations, and what the joint model and the exact camera say of the same settings. The
+Prints the viewpoints, the relations, and what the joint model and the full camera model say of the same viewpoints. The
 exit code is 1 where a relation fails or a number is off by more than 0.005.
 """
 
@@ -38,8 +38,8 @@ Model = Literal["independent", "joint"]
 
 
 @dataclass(frozen=True)
-class Setting:
-    """A sensor setting, told by where the camera sees E2.
+class Viewpoint:
+    """A viewpoint, told by where the camera sees E2.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Experiment:
-    """Camera, head, E2 and the five settings.
+    """Camera, head, E2 and the five viewpoints.
 
     Parameters
     ----------
@@ -74,9 +74,9 @@ class Experiment:
     length_mm
         Length of E2.
     image_angle_deg
-        Direction gamma of the image of E2 from +u, the same in all settings.
+        Direction gamma of the image of E2 from +u, the same in all viewpoints.
     edge_resolution_px
-        Step of the edge locator; 1 is the paper's whole-pixel one.
+        Step of the edge detector; 1 is the paper's whole-pixel one.
     """
 
     focal_length_mm: float
@@ -86,7 +86,7 @@ class Experiment:
     rotation_rad: float
     length_mm: float
     image_angle_deg: float
-    settings: tuple[Setting, ...]
+    viewpoints: tuple[Viewpoint, ...]
     edge_resolution_px: float = 1.0
 
     @property
@@ -107,39 +107,41 @@ class Experiment:
         )
 
     def ends(self) -> NDArray[np.float64]:
-        """Ends of E2 in each setting, ``(settings, 2, 3)`` mm, camera frame."""
-        return np.stack([segment_ends(setting, self.length_mm, self.image_angle_deg) for setting in self.settings])
+        """Ends of E2 in each viewpoint, ``(viewpoints, 2, 3)`` mm, camera frame."""
+        return np.stack(
+            [segment_ends(viewpoint, self.length_mm, self.image_angle_deg) for viewpoint in self.viewpoints]
+        )
 
     def displacement_law(self, model: Model) -> SegmentDisplacement:
-        """Law of the displacement error of E2's image length (eq. 17), mm, one entry per setting."""
+        """Law of the displacement error of E2's image length (eq. 17), mm, one entry per viewpoint."""
         make = {"independent": SegmentDisplacement.independent, "joint": SegmentDisplacement.joint}[model]
         ends = self.ends()
         return make(ends[:, 0], ends[:, 1], self.focal_length_mm, self.pose_error.camera_covariance)
 
     def total_law(self, model: Model) -> TotalError | IndependentTotalError:
-        """Law of the total error of E2's image length (eq. 19), mm, one entry per setting."""
+        """Law of the total error of E2's image length (eq. 19), mm, one entry per viewpoint."""
         return self.displacement_law(model).plus_quantization(self.camera.quantization_step_mm)
 
     def probability(self, model: Model) -> NDArray[np.float64]:
-        """Pr{Accuracy >= 0.99} (eq. 20), one entry per setting."""
+        """Pr{Accuracy >= 0.99} (eq. 20), one entry per viewpoint."""
         bound = RELATIVE_TOLERANCE * self.displacement_law(model).length_mm
         return self.total_law(model).central_probability(bound)
 
 
-def segment_ends(setting: Setting, length_mm: float, image_angle_deg: float) -> NDArray[np.float64]:
+def segment_ends(viewpoint: Viewpoint, length_mm: float, image_angle_deg: float) -> NDArray[np.float64]:
     """Ends ``(2, 3)`` mm, camera frame, of a segment whose image has a given direction.
 
     The segment lies in the plane of the line of sight to its midpoint and of the image direction
     (cos gamma, sin gamma, 0), so that its image points along gamma whatever its inclination.
     """
-    angle, inclination = np.radians([image_angle_deg, setting.inclination_deg])
-    sight = np.array([*np.tan(np.radians([setting.horizontal_deg, setting.vertical_deg])), 1.0])
+    angle, inclination = np.radians([image_angle_deg, viewpoint.inclination_deg])
+    sight = np.array([*np.tan(np.radians([viewpoint.horizontal_deg, viewpoint.vertical_deg])), 1.0])
     sight /= np.linalg.norm(sight)
     across = np.array([np.cos(angle), np.sin(angle), 0.0])
     across -= across @ sight * sight
     across /= np.linalg.norm(across)
     direction = np.cos(inclination) * sight + np.sin(inclination) * across
-    return setting.distance_mm * sight + length_mm / 2 * np.array([[-1.0], [1.0]]) * direction
+    return viewpoint.distance_mm * sight + length_mm / 2 * np.array([[-1.0], [1.0]]) * direction
 
 
 # RECONSTRUCTION: source "fitted". The first block was chosen as plausible for 1998; the rest was then solved for.
@@ -152,21 +154,21 @@ RECONSTRUCTION = Experiment(
     length_mm=120.0,  # all lengths scale together: only ratios to the distances matter
     # fitted from here on
     image_angle_deg=25.7,
-    settings=(
-        Setting("ss1", 188.1, 0.0, 0.0, 13.1, 0.44),
-        Setting("ss2", 188.1, 0.0, 0.0, 29.8, 0.79),
-        Setting("ss3", 349.1, 0.0, 0.0, 90.0, 0.87),
-        Setting("ss4", 349.1, 32.4, 0.0, 134.5, 0.75),
-        Setting("ss5", 349.1, 32.4, 21.6, 142.1, 0.72),
+    viewpoints=(
+        Viewpoint("ss1", 188.1, 0.0, 0.0, 13.1, 0.44),
+        Viewpoint("ss2", 188.1, 0.0, 0.0, 29.8, 0.79),
+        Viewpoint("ss3", 349.1, 0.0, 0.0, 90.0, 0.87),
+        Viewpoint("ss4", 349.1, 32.4, 0.0, 134.5, 0.75),
+        Viewpoint("ss5", 349.1, 32.4, 21.6, 142.1, 0.72),
     ),
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """What the models say of one setting; lengths and spreads in px, kept tolerances relative."""
+    """What the models say of one viewpoint; lengths and spreads in px, kept tolerances relative."""
 
-    setting: Setting
+    viewpoint: Viewpoint
     off_axis_deg: float
     length_px: float
     sigma_independent_px: float
@@ -192,7 +194,7 @@ class Relation:
 
 
 def evaluate(experiment: Experiment) -> list[Row]:
-    """The five settings under the independent and the joint model."""
+    """The five viewpoints under the independent and the joint model."""
     independent, joint = experiment.displacement_law("independent"), experiment.displacement_law("joint")
     totals = experiment.total_law("independent"), experiment.total_law("joint")
     middle, pitch = experiment.ends().mean(axis=1), experiment.pixel_pitch_mm
@@ -207,17 +209,17 @@ def evaluate(experiment: Experiment) -> list[Row]:
             *(total.interval(QUANTILE)[1] / independent.length_mm for total in totals),
         ]
     )
-    return [Row(setting, *values) for setting, values in zip(experiment.settings, columns.tolist(), strict=True)]
+    return [Row(viewpoint, *values) for viewpoint, values in zip(experiment.viewpoints, columns.tolist(), strict=True)]
 
 
 def densities(experiment: Experiment) -> NDArray[np.float64]:
-    """Displacement error's pdf in the independent model, 1/px, ``(GRID_PX, settings)``."""
+    """Displacement error's pdf in the independent model, 1/px, ``(GRID_PX, viewpoints)``."""
     pitch = experiment.pixel_pitch_mm
     return experiment.displacement_law("independent").pdf(GRID_PX[:, None] * pitch) * pitch
 
 
 def estimate(experiment: Experiment, draws: int) -> list[Estimate]:
-    """The same probabilities by the exact camera: true rotations, euclidean length, whole pixels."""
+    """The same probabilities by the full camera model: true rotations, euclidean length, whole pixels."""
     rng = np.random.default_rng(SEED)
     return [
         estimate_success_probability(
@@ -257,7 +259,7 @@ def relations(experiment: Experiment, rows: list[Row]) -> list[Relation]:
 
 def relations_near(experiment: Experiment, rows: list[Row]) -> list[Relation]:
     """Relations among ss1, ss2 and ss3."""
-    ss1, ss2, ss3 = experiment.settings[:3]
+    ss1, ss2, ss3 = experiment.viewpoints[:3]
     length = [row.length_px for row in rows]
     spread = [row.sigma_independent_px for row in rows]
     peak = densities(experiment).max(axis=0).tolist()
@@ -301,7 +303,7 @@ def relations_near(experiment: Experiment, rows: list[Row]) -> list[Relation]:
 
 def relations_far(experiment: Experiment, rows: list[Row]) -> list[Relation]:
     """Relations among ss3, ss4 and ss5."""
-    ss3, ss4, ss5 = experiment.settings[2:]
+    ss3, ss4, ss5 = experiment.viewpoints[2:]
     length = [row.length_px for row in rows[2:]]
     spread = [row.sigma_independent_px for row in rows[2:]]
     peak = densities(experiment)[:, 2:].max(axis=0).tolist()
@@ -333,12 +335,12 @@ def relations_far(experiment: Experiment, rows: list[Row]) -> list[Relation]:
 
 
 def relations_of_laws(experiment: Experiment, rows: list[Row]) -> list[Relation]:
-    """Relations among all five settings."""
+    """Relations among all five viewpoints."""
     angle = np.degrees(np.arctan(np.abs(np.tan(experiment.displacement_law("joint").angle_rad))))
     pixels = experiment.camera.to_pixels(experiment.camera.project(experiment.ends()))
     margin = float(min(pixels.min(), (np.array(experiment.resolution) - 1 - pixels).min()))
     p = [row.independent for row in rows]
-    deviations = [row.independent - row.setting.printed_probability for row in rows]
+    deviations = [row.independent - row.viewpoint.printed_probability for row in rows]
     return [
         Relation(
             "all: same quantization law (same angle to the pixel rows)",
@@ -359,24 +361,33 @@ def relations_of_laws(experiment: Experiment, rows: list[Row]) -> list[Relation]
     ]
 
 
-def markdown(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+def markdown(pose_error: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """A Markdown table."""
-    return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
+    return "\n".join("| " + " | ".join(line) + " |" for line in (pose_error, ["---"] * len(pose_error), *lines))
 
 
 def probability_table(rows: list[Row], exact: list[Estimate]) -> str:
-    """The settings and the probability of 99 % accuracy: as printed, and by the three models."""
-    head = ["setting", "distance, mm", "off axis, deg", "beta, deg", "image, px", "paper", "independent", "joint"]
+    """The viewpoints and the probability of 99 % accuracy: as printed, and by the three models."""
+    pose_error = [
+        "viewpoint",
+        "distance, mm",
+        "off axis, deg",
+        "beta, deg",
+        "image, px",
+        "paper",
+        "independent",
+        "joint",
+    ]
     return markdown(
-        [*head, "exact camera", f"its {CONFIDENCE:.0%} interval"],
+        [*pose_error, "full camera model", f"its {CONFIDENCE:.0%} interval"],
         [
             [
-                row.setting.name,
-                f"{row.setting.distance_mm:.1f}",
+                row.viewpoint.name,
+                f"{row.viewpoint.distance_mm:.1f}",
                 f"{row.off_axis_deg:.1f}",
-                f"{row.setting.inclination_deg:.1f}",
+                f"{row.viewpoint.inclination_deg:.1f}",
                 f"{row.length_px:.1f}",
-                f"{row.setting.printed_probability:.2f}",
+                f"{row.viewpoint.printed_probability:.2f}",
                 f"{row.independent:.4f}",
                 f"{row.joint:.4f}",
                 f"{camera.probability:.4f}",
@@ -391,10 +402,10 @@ def spread_table(rows: list[Row]) -> str:
     """Displacement errors by both models, and the relative tolerance that 95 % of measurements keep."""
     kept = f"{QUANTILE:.0%} within"
     return markdown(
-        ["setting", "sigma independent, px", "sigma joint, px", "ratio", f"{kept}, independent", f"{kept}, joint"],
+        ["viewpoint", "sigma independent, px", "sigma joint, px", "ratio", f"{kept}, independent", f"{kept}, joint"],
         [
             [
-                row.setting.name,
+                row.viewpoint.name,
                 f"{row.sigma_independent_px:.3f}",
                 f"{row.sigma_joint_px:.3f}",
                 f"{row.overstatement:.1f}",
@@ -407,17 +418,17 @@ def spread_table(rows: list[Row]) -> str:
 
 
 def remedy_table(experiment: Experiment) -> str:
-    """What a better edge locator or a better head would do, by both models."""
-    half_head = replace(
+    """What a better edge detector or a better head would do, by both models."""
+    half_pose_error = replace(
         experiment, translation_mm=experiment.translation_mm / 2, rotation_rad=experiment.rotation_rad / 2
     )
     cases = {
         "as it is": experiment,
         "edges to 0.1 px": replace(experiment, edge_resolution_px=0.1),
-        "head errors halved": half_head,
+        "head errors halved": half_pose_error,
     }
     return markdown(
-        ["case", "model", *(setting.name for setting in experiment.settings)],
+        ["case", "model", *(viewpoint.name for viewpoint in experiment.viewpoints)],
         [
             [case, model, *(f"{p:.4f}" for p in changed.probability(model))]
             for case, changed in cases.items()
@@ -428,8 +439,8 @@ def remedy_table(experiment: Experiment) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table and the relations; 1 where one fails."""
-    parser = argparse.ArgumentParser(description="A RECONSTRUCTION of the paper's five-setting experiment.")
-    parser.add_argument("--draws", type=int, default=DRAWS, help="draws of the exact camera per setting")
+    parser = argparse.ArgumentParser(description="A RECONSTRUCTION of the paper's five-viewpoint experiment.")
+    parser.add_argument("--draws", type=int, default=DRAWS, help="draws of the full camera model per viewpoint")
     draws = parser.parse_args(arguments).draws
     rows = evaluate(RECONSTRUCTION)
     checked = relations(RECONSTRUCTION, rows)

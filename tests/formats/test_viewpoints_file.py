@@ -1,4 +1,4 @@
-"""The file of explicit sensor settings."""
+"""The file of explicit viewpoints."""
 
 import math
 
@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from viewgauge.exceptions import InputError, SettingsFileError
-from viewgauge.formats.poses.viewpoints_file import read_settings, write_settings
+from viewgauge.exceptions import InputError, ViewpointsFileError
+from viewgauge.formats.poses.viewpoints_file import read_viewpoints, write_viewpoints
 
 HEADER = "id, x, y, z, qw, qx, qy, qz\n"
 ROW = "a, 1, 2, 3, 1, 0, 0, 0\n"
@@ -24,7 +24,7 @@ def written(tmp_path, content):
 def test_reads_ids_and_poses(tmp_path):
     half = math.sqrt(0.5)
     path = written(tmp_path, f"{HEADER}{ROW}b,-4.5,0,1e2,{half!r},0,0,{half!r}\n")
-    ids, poses = read_settings(path)
+    ids, poses = read_viewpoints(path)
     assert ids == ("a", "b")
     np.testing.assert_array_equal(poses[0], [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
     quarter_turn_about_z = [[0, -1, 0, -4.5], [1, 0, 0, 0], [0, 0, 1, 100], [0, 0, 0, 1]]
@@ -44,7 +44,7 @@ def test_reads_ids_and_poses(tmp_path):
     ],
 )
 def test_accepted_forms(tmp_path, content):
-    ids, poses = read_settings(written(tmp_path, content))
+    ids, poses = read_viewpoints(written(tmp_path, content))
     assert ids == ("a",)
     np.testing.assert_array_equal(poses[0, :3, 3], [1, 2, 3])
 
@@ -54,7 +54,7 @@ def test_accepted_forms(tmp_path, content):
     [
         ("", None, None, "the file is empty"),
         ("\n\n", None, None, "the file is empty"),
-        (HEADER, None, None, "no settings"),
+        (HEADER, None, None, "no viewpoints"),
         ("id,x,y,z,qw,qx,qy\na,1,2,3,1,0,0\n", 1, "qz", "a column is missing"),
         ("\nname,x,y\n", 2, "id, z, qw, qx, qy, qz", "columns are missing"),
         (HEADER.replace(",", ";") + ROW.replace(",", ";"), 1, "id, x, y, z, qw, qx, qy, qz", "by commas"),
@@ -80,8 +80,8 @@ def test_accepted_forms(tmp_path, content):
 )
 def test_bad_files(tmp_path, content, line, key, telling):
     path = written(tmp_path, content)
-    with pytest.raises(SettingsFileError) as caught:
-        read_settings(path)
+    with pytest.raises(ViewpointsFileError) as caught:
+        read_viewpoints(path)
     assert caught.value.file == str(path)
     assert caught.value.line == line
     assert caught.value.key == key
@@ -103,9 +103,9 @@ LONG = "b, 1, 2, 3, 1, 1, 0, 0\n"
         (HEADER + ROW.replace("a", '"a\nb"') + LONG, 4),
     ],
 )
-def test_the_first_bad_line_is_told(tmp_path, content, line):
-    with pytest.raises(SettingsFileError) as caught:
-        read_settings(written(tmp_path, content))
+def test_the_first_bad_line_is_reported(tmp_path, content, line):
+    with pytest.raises(ViewpointsFileError) as caught:
+        read_viewpoints(written(tmp_path, content))
     assert caught.value.line == line
 
 
@@ -115,20 +115,20 @@ def test_many_rows_are_those_of_each(tmp_path, monkeypatch):
     quaternions /= np.linalg.norm(quaternions, axis=1)[:, None]
     rows = [f"S{k}, {k}, 0, 0, {', '.join(map(repr, q))}\n" for k, q in enumerate(quaternions.tolist())]
     monkeypatch.setattr("viewgauge.formats.poses.viewpoints_file._ROWS_PER_BLOCK", 16)
-    ids, poses = read_settings(written(tmp_path, HEADER + "".join(rows)))
+    ids, poses = read_viewpoints(written(tmp_path, HEADER + "".join(rows)))
     assert ids == tuple(f"S{k}" for k in range(50))
     for row, pose in zip(rows, poses, strict=True):
-        np.testing.assert_array_equal(read_settings(written(tmp_path, HEADER + row))[1][0], pose)
-    with pytest.raises(SettingsFileError) as caught:
-        read_settings(written(tmp_path, HEADER + "".join(rows[:40]) + LONG + "".join(rows[40:])))
+        np.testing.assert_array_equal(read_viewpoints(written(tmp_path, HEADER + row))[1][0], pose)
+    with pytest.raises(ViewpointsFileError) as caught:
+        read_viewpoints(written(tmp_path, HEADER + "".join(rows[:40]) + LONG + "".join(rows[40:])))
     assert caught.value.line == 42
 
 
 def test_missing_file_and_folder(tmp_path):
-    with pytest.raises(SettingsFileError, match="does not exist"):
-        read_settings(tmp_path / "none.csv")
-    with pytest.raises(SettingsFileError, match="a folder"):
-        read_settings(tmp_path)
+    with pytest.raises(ViewpointsFileError, match="does not exist"):
+        read_viewpoints(tmp_path / "none.csv")
+    with pytest.raises(ViewpointsFileError, match="a folder"):
+        read_viewpoints(tmp_path)
 
 
 finite = st.floats(-1e6, 1e6)
@@ -147,10 +147,10 @@ def test_round_trip(tmp_path_factory, rows):
     poses = np.tile(np.eye(4), (len(rows), 1, 1))
     for T, (x, y, z, q) in zip(poses, rows, strict=True):
         T[:3, :3], T[:3, 3] = Rotation.from_quat(q).as_matrix(), (x, y, z)
-    ids = tuple(f'setting, "{k}"' for k in range(len(rows)))
-    path = tmp_path_factory.mktemp("settings") / "s.csv"
-    write_settings(path, ids, poses)
-    read_ids, read_poses = read_settings(path)
+    ids = tuple(f'viewpoint, "{k}"' for k in range(len(rows)))
+    path = tmp_path_factory.mktemp("viewpoints") / "s.csv"
+    write_viewpoints(path, ids, poses)
+    read_ids, read_poses = read_viewpoints(path)
     assert read_ids == ids
     np.testing.assert_array_equal(read_poses[:, :3, 3], poses[:, :3, 3])  # exact: every digit is written
     # matrix -> quaternion -> matrix: a few roundings of numbers up to 1
@@ -159,9 +159,9 @@ def test_round_trip(tmp_path_factory, rows):
 
 def test_what_cannot_be_written(tmp_path):
     with pytest.raises(InputError, match="one id"):
-        write_settings(tmp_path / "s.csv", ["a", "b"], np.eye(4)[None])
+        write_viewpoints(tmp_path / "s.csv", ["a", "b"], np.eye(4)[None])
     with pytest.raises(InputError, match="not a rotation"):
-        write_settings(tmp_path / "s.csv", ["a"], 2 * np.eye(4)[None])
+        write_viewpoints(tmp_path / "s.csv", ["a"], 2 * np.eye(4)[None])
     with pytest.raises(InputError, match="create the folder"):
-        write_settings(tmp_path / "none" / "s.csv", ["a"], np.eye(4)[None])
+        write_viewpoints(tmp_path / "none" / "s.csv", ["a"], np.eye(4)[None])
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""What is said of a head: intervals that hold as often as they say, few samples counted, outliers named."""
+"""What is said of a pose_uncertainty: intervals that hold as often as they say, few samples counted, outliers named."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import binom, norm, t
 
 from viewgauge.exceptions import InputError
-from viewgauge.measurement import PoseSamples, characterize_head, small_sample_factor
+from viewgauge.measurement import PoseSamples, estimate_pose_error, small_sample_factor
 
 DEVIATIONS = np.array([0.2, 0.1, 0.3, 4e-4, 2e-4, 6e-4])
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "positioner"
@@ -40,7 +40,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     rng, mean = np.random.default_rng(11), 0.3 * DEVIATIONS
     deviation_holds = mean_holds = 0
     for _ in range(400):
-        found = characterize_head(samples(drawn(12, rng, mean)))
+        found = estimate_pose_error(samples(drawn(12, rng, mean)))
         low, high = found.deviation_interval.T
         deviation_holds += int((low[0] <= DEVIATIONS[0]) & (DEVIATIONS[0] <= high[0]))
         low, high = found.mean_interval.T
@@ -52,7 +52,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
 def test_the_covariance_is_the_unbiased_one_and_the_mean_is_apart():
     rng = np.random.default_rng(2)
     errors = drawn(40, rng, DEVIATIONS)
-    found = characterize_head(samples(errors))
+    found = estimate_pose_error(samples(errors))
     assert found.covariance == pytest.approx(np.cov(errors.T))
     assert found.mean == pytest.approx(errors.mean(axis=0))
     assert found.degrees_of_freedom == 39
@@ -61,7 +61,7 @@ def test_the_covariance_is_the_unbiased_one_and_the_mean_is_apart():
 
 def test_fitted_parameters_cost_degrees_of_freedom():
     errors = drawn(40, np.random.default_rng(2))
-    assert characterize_head(samples(errors, parameters=18)).degrees_of_freedom == 37
+    assert estimate_pose_error(samples(errors, parameters=18)).degrees_of_freedom == 37
 
 
 @pytest.mark.parametrize("probability", [0.8, 0.95, 0.9973])
@@ -94,15 +94,15 @@ def test_the_factor_by_hand_and_its_limit():
 def test_normality_is_doubted_where_it_should_be_and_seldom_else():
     """200 heads of 60 normal samples: Mardia's and Shapiro's p below 0.05 in 5 % of them; false alarm 3e-4."""
     rng = np.random.default_rng(17)
-    found = [characterize_head(samples(drawn(60, rng))) for _ in range(200)]
+    found = [estimate_pose_error(samples(drawn(60, rng))) for _ in range(200)]
     for counts in ([f.skewness_p < 0.05 for f in found], [f.kurtosis_p < 0.05 for f in found]):
         # the asymptotic laws at 60 samples are near, not exact: up to 9 %
         assert sum(counts) <= binom.ppf(1 - 1e-4, 200, 0.09)
     assert within(sum(f.normality[2] < 0.05 for f in found), 200, 0.05)
-    skewed = characterize_head(samples(rng.exponential(size=(60, 6)) @ factor().T))
+    skewed = estimate_pose_error(samples(rng.exponential(size=(60, 6)) @ factor().T))
     assert skewed.skewness_p < 1e-3
     assert skewed.kurtosis_p < 1e-2
-    even = characterize_head(samples(rng.uniform(-1, 1, (300, 6)) * DEVIATIONS))
+    even = estimate_pose_error(samples(rng.uniform(-1, 1, (300, 6)) * DEVIATIONS))
     assert (even.normality < 0.05).all()
     assert even.kurtosis_p < 1e-6
 
@@ -111,27 +111,27 @@ def test_outliers_are_named_and_stay_in_the_figures():
     rng = np.random.default_rng(23)
     errors = drawn(50, rng)
     errors[[7, 31]] += 8 * DEVIATIONS * [1, -1, 1, -1, 1, -1]
-    found = characterize_head(samples(errors))
+    found = estimate_pose_error(samples(errors))
     assert found.outliers == ("s7", "s31")
     assert found.covariance == pytest.approx(np.cov(errors.T))
 
 
-def test_a_clean_head_seldom_has_an_outlier():
+def test_a_clean_pose_error_seldom_has_an_outlier():
     """1 % of heads: 200 of 30 samples; false alarm below 1e-4."""
     rng = np.random.default_rng(29)
-    alarms = sum(bool(characterize_head(samples(drawn(30, rng))).outliers) for _ in range(200))
+    alarms = sum(bool(estimate_pose_error(samples(drawn(30, rng))).outliers) for _ in range(200))
     assert alarms <= binom.ppf(1 - 1e-4, 200, 0.01)
 
 
 def test_an_axis_without_error_and_too_few_samples():
     errors = drawn(20, np.random.default_rng(1))
     errors[:, 3] = 0.0
-    found = characterize_head(samples(errors))
+    found = estimate_pose_error(samples(errors))
     assert found.deviation[3] == 0
     assert np.isnan(found.skewness_p)
     assert found.outliers == ()
     with pytest.raises(InputError, match="too few samples") as raised:
-        characterize_head(samples(drawn(6, np.random.default_rng(1))))
+        estimate_pose_error(samples(drawn(6, np.random.default_rng(1))))
     assert "6 samples, 5 degrees of freedom" in str(raised.value)
 
 
@@ -139,6 +139,6 @@ def test_an_axis_without_error_and_too_few_samples():
 def test_a_real_positioner_s_residuals():
     """Against the figures that come with the data: deviations to two digits, 4 of 6 axes fail Shapiro's test at 5 %."""
     table = np.loadtxt(SHARED / "positioner_6dof_residuals.csv", delimiter=",", skiprows=1)
-    found = characterize_head(samples(table * [1, 1, 1, 1e-3, 1e-3, 1e-3]))
+    found = estimate_pose_error(samples(table * [1, 1, 1, 1e-3, 1e-3, 1e-3]))
     assert found.deviation * [1, 1, 1, 1e3, 1e3, 1e3] == pytest.approx([0.22, 0.22, 0.26, 0.35, 0.34, 0.79], abs=0.006)
     assert (found.normality < 0.05).sum() == 4

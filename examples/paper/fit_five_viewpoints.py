@@ -1,6 +1,6 @@
-"""Find the parameters of the RECONSTRUCTION in five_settings.py.
+"""Find the parameters of the RECONSTRUCTION in five_viewpoints.py.
 
-Usage: python fit_five_settings.py
+Usage: python fit_five_viewpoints.py
 
 The text leaves much free: the lens, the image length of E2 and its direction are choices. Each choice fixes the
 rest: nine unknowns, nine equations (five probabilities, one displacement law in ss1 and ss2, three equal image
@@ -34,13 +34,13 @@ from dataclasses import astuple, dataclass, replace
 from itertools import product
 
 import numpy as np
-from five_settings import RECONSTRUCTION, RELATIVE_TOLERANCE, Experiment, Setting, evaluate, relations
+from five_viewpoints import RECONSTRUCTION, RELATIVE_TOLERANCE, Experiment, Viewpoint, evaluate, relations
 from numpy.typing import NDArray
 from scipy.optimize import brentq, least_squares
 
 from viewgauge.errors import TotalError
 
-PRINTED = tuple(setting.printed_probability for setting in RECONSTRUCTION.settings)
+PRINTED = tuple(viewpoint.printed_probability for viewpoint in RECONSTRUCTION.viewpoints)
 ACCEPTED_RESIDUAL = 1e-6
 LENSES_MM = (4.8, 6.5)  # wide C-mount lenses for 2/3 inch
 IMAGE_LENGTHS_PX = (80, 100, 120, 150, 200)
@@ -82,7 +82,7 @@ class Unknowns:
             translation_mm=self.translation_mm,
             rotation_rad=self.rotation_mrad * 1e-3,
             image_angle_deg=self.image_angle,
-            settings=tuple(Setting(f"ss{k + 1}", *place, PRINTED[k]) for k, place in enumerate(places)),
+            viewpoints=tuple(Viewpoint(f"ss{k + 1}", *place, PRINTED[k]) for k, place in enumerate(places)),
         )
 
 
@@ -215,8 +215,8 @@ def refine() -> tuple[Unknowns, Unknowns, float]:
     """
     first = approximate(*CHOSEN)
     found, _ = solve(first, ("image_angle", "far"), CHOSEN[0])
-    head = {"translation_mm": RECONSTRUCTION.translation_mm, "rotation_mrad": 1e3 * RECONSTRUCTION.rotation_rad}
-    return first, *solve(replace(found, **head), tuple(head), CHOSEN[0])
+    pose_error = {"translation_mm": RECONSTRUCTION.translation_mm, "rotation_mrad": 1e3 * RECONSTRUCTION.rotation_rad}
+    return first, *solve(replace(found, **pose_error), tuple(pose_error), CHOSEN[0])
 
 
 def print_family() -> None:
@@ -227,7 +227,7 @@ def print_family() -> None:
     for (lens, length, angle, tilts), experiment in members.items():
         rows = evaluate(experiment)
         outcomes.append([(row.joint, row.overstatement) for row in rows])
-        ss1, ss2, ss3 = experiment.settings[:3]
+        ss1, ss2, ss3 = experiment.viewpoints[:3]
         print(
             f"{lens:4.1f}  {length:4d}  {angle:5d}  {tilts!s:8s}  {experiment.translation_mm:6.3f}  "
             f"{1e3 * experiment.rotation_rad:8.3f}  {ss2.distance_mm:5.0f}  {ss3.distance_mm:5.0f}  "
