@@ -6,7 +6,7 @@ for name in chromium chromium-browser google-chrome chrome; do
 done
 install="apt-get install -y -q --no-install-recommends chromium"
 if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-    echo "installing the browser chromium"
+    echo "installing the browser chromium" >&2
     apt-get update -q >/dev/null && $install >/dev/null
 else
     echo "no Chromium or Chrome: the tests of the workbench need one; on Debian or Ubuntu: sudo $install" >&2

@@ -23,6 +23,7 @@ import viewgauge as vg
 from ..exceptions import ViewgaugeError
 from .camera import camera
 from .characterize import characterize
+from .first_run import report_compiling
 from .images import measure, simulate, validate
 from .improve import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
@@ -232,6 +233,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # as the process ends, takes most of a second.
         gc.set_threshold(100_000, 50, 50)
         atexit.register(gc.freeze)
+        report_compiling()
     logging.getLogger("viewgauge").addHandler(logging.NullHandler())
     given = sys.argv[1:] if arguments is None else list(arguments)
     for stream in (sys.stdout, sys.stderr):
