@@ -10,9 +10,8 @@ from math import cos, hypot, sin
 from ..errors import TotalError
 from ..sensors import Camera
 from .requirement.allowed_error import Requirement
-from .requirement.capability import CapabilityRequirement
 from .requirement.capability_indices import SHARE, SIGMAS, cg, cgk, coverage, percent_p_to_t
-from .requirement.conformance import COVERAGE_FACTOR, ConformanceRequirement
+from .requirement.conformance import COVERAGE_FACTOR
 
 __all__ = ["CapabilityFigures", "capability_figures", "spread_mm"]
 
@@ -71,11 +70,9 @@ def capability_figures(
     expanded = COVERAGE_FACTOR * u_mm
     if tolerance_mm is None or not tolerance_mm[0] < tolerance_mm[1]:
         return CapabilityFigures(u_mm, expanded)
-    sigmas, share, bias = SIGMAS, SHARE, 0.0
-    if isinstance(requirement, CapabilityRequirement):
-        sigmas, share, bias = requirement.sigmas, requirement.share, requirement.bias_mm
+    sigmas, share, bias = (SIGMAS, SHARE, 0.0) if requirement is None else requirement.sigmas_share_bias
     sigma = u_mm if half_spread_mm is None else 2 * half_spread_mm / sigmas
-    risks = requirement.risks(u_mm, tolerance_mm) if isinstance(requirement, ConformanceRequirement) else None
+    risks = None if requirement is None else requirement.risks(u_mm, tolerance_mm)
     lower, upper = tolerance_mm
     return CapabilityFigures(
         u_mm,

@@ -1,4 +1,4 @@
-"""How accurately, and how surely, a characteristic has to be measured."""
+"""An allowed error and the probability of keeping it: the form that every requirement is put in."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...exceptions import InputError
+from .capability_indices import SHARE, SIGMAS
+from .decision_risks import GlobalRisks
 
 __all__ = ["Requirement"]
 
@@ -17,8 +19,10 @@ _KINDS = ("accuracy", "error", "fraction_of_tolerance")
 class Requirement:
     """Pr{|measured - nominal| <= allowed error} >= probability.
 
-    Whatever is required is put in this form, for each characteristic. Requirements on the capability of the measurement
-    and on wrong decisions are :class:`CapabilityRequirement` and :class:`ConformanceRequirement`.
+    Whatever is required is put in this form, for each characteristic. Another kind of requirement is a subclass in a
+    file of its own, such as :class:`CapabilityRequirement` and :class:`ConformanceRequirement`: it overrides
+    :meth:`allowed_error_mm`, :meth:`cannot_judge` and :attr:`text`, and what else it states. Its keys in the inspection
+    file are registered in :mod:`viewgauge.formats.inspection.requirement_section`.
 
     Parameters
     ----------
@@ -59,4 +63,33 @@ class Requirement:
         """Why the requirement says nothing about a characteristic; None where it does."""
         if self.kind == "fraction_of_tolerance" and tolerance_mm is None:
             return "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
+        return None
+
+    @property
+    def text(self) -> str:
+        """The requirement in words, as pages print it."""
+        stated = {
+            "accuracy": f"accuracy of at least {self.value:g}",
+            "error": f"error of at most {self.value:.6g} mm",
+            "fraction_of_tolerance": f"error of at most {self.value:.4g} of the tolerance",
+        }
+        return f"{stated[self.kind]}, with a probability of at least {self.probability:g}"
+
+    @property
+    def is_adjustable(self) -> bool:
+        """Whether value and probability may be changed alone: not where they follow from other figures."""
+        return True
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value: "mm", or empty for a ratio."""
+        return "mm" if self.kind == "error" else ""
+
+    @property
+    def sigmas_share_bias(self) -> tuple[float, float, float]:
+        """Standard deviations, share of the tolerance zone and bias, mm, by which capability indices are found."""
+        return SIGMAS, SHARE, 0.0
+
+    def risks(self, uncertainty_mm: float, tolerance_mm: tuple[float, float]) -> GlobalRisks | None:  # noqa: ARG002
+        """The global risks of wrong decisions with a standard uncertainty; None where no process is stated."""
         return None

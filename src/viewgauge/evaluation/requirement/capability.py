@@ -84,6 +84,33 @@ class CapabilityRequirement(Requirement):
         part = f"{50 * self.share:.3g} % of the tolerance zone of {width:.6g} mm"
         return f"the bias of {abs(self.bias_mm):g} mm is no less than {part}: no measurement has the required Cgk"
 
+    @property
+    def text(self) -> str:
+        """Such as: Cg of at least 1.33 (20 % of the tolerance zone over 6 standard deviations)."""
+        spread = f"{self.sigmas:g} standard deviations"
+        zone = f"{100 * self.share:.4g} % of the tolerance zone"
+        if self.kind == "percent_p_to_t":
+            return f"P/T of at most {100 * self.value:.4g} % ({spread} over the tolerance zone)"
+        if self.kind == "cg":
+            return f"Cg of at least {self.value:g} ({zone} over {spread})"
+        bias = f"{abs(self.bias_mm):.6g} mm" if self.bias_mm else "none"
+        return f"Cgk of at least {self.value:g} ({zone} over {spread}; bias: {bias})"
+
+    @property
+    def is_adjustable(self) -> bool:
+        """Not: allowed error and probability follow from the index."""
+        return False
+
+    @property
+    def unit(self) -> str:
+        """Indices are ratios."""
+        return ""
+
+    @property
+    def sigmas_share_bias(self) -> tuple[float, float, float]:
+        """As required."""
+        return self.sigmas, self.share, self.bias_mm
+
     def _half_spread_mm(self, tolerance_mm: tuple[float, float] | None) -> float | None:
         if tolerance_mm is None:
             return None

@@ -137,6 +137,34 @@ class ConformanceRequirement(Requirement):
         accept = acceptance_limits(*tolerance_mm, COVERAGE_FACTOR * uncertainty_mm, self.value)
         return global_risks(uncertainty_mm, *tolerance_mm, *accept, *self.process.law_mm(tolerance_mm))
 
+    @property
+    def text(self) -> str:
+        """Such as: consumer's risk of at most 1 % by simple acceptance (...)."""
+        risks = {"consumer's": self.consumer_risk, "producer's": self.producer_risk}
+        limits = [f"{whose} risk of at most {100 * risk:.4g} %" for whose, risk in risks.items() if risk is not None]
+        rule = {
+            "simple": "simple acceptance (shared risk)",
+            "guarded": f"guarded acceptance, w = {self.guard:g} U",
+            "guarded_rejection": f"guarded rejection, w = {self.guard:g} U",
+        }[self.rule]
+        process = self.process
+        if process.standard_deviation_mm is None:
+            spread = f"process capability Cp {process.capability:g}"
+        else:
+            spread = f"process standard deviation {process.standard_deviation_mm:.6g} mm"
+        offset = f", offset {process.offset_mm:.6g} mm" if process.offset_mm else ""
+        return f"{' and '.join(limits)}, by {rule}; {spread}{offset} (JCGM 106)"
+
+    @property
+    def is_adjustable(self) -> bool:
+        """Not: allowed error and probability follow from the risks."""
+        return False
+
+    @property
+    def unit(self) -> str:
+        """Risks are ratios."""
+        return ""
+
     def _largest_uncertainty_mm(self, tolerance_mm: tuple[float, float]) -> float:
         lower, upper = tolerance_mm
         _, spread = self.process.law_mm(tolerance_mm)

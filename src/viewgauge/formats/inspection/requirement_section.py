@@ -1,54 +1,68 @@
-"""The keys of the inspection file's section ``requirement``, and of the two sections below it."""
+"""The keys of the inspection file's section ``requirement``, and of the kinds of requirement below it.
+
+A kind that is stated by more than one value has a section of its own, a model with ``read``, registered here by its
+key: :func:`register`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar, Protocol, TypeVar
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from ...evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
 from ...evaluation.requirement.decision_risks import Rule
 from ...exceptions import InputError
-from ..files.problems import Problems
+from ..files.problems import KeyPath, Problems
 from .sections import AnyLength, Length, Ratio, Section
 from .validation import build, validate
 
-__all__ = ["read_requirement"]
+__all__ = ["KINDS", "RequirementKind", "read_requirement", "register", "requirement_model"]
+
+
+class RequirementKind(Protocol):
+    """What reads a kind of requirement from the section below its key."""
+
+    key: ClassVar[str]
+
+    @classmethod
+    def read(cls, value: object, where: KeyPath, problems: Problems) -> Requirement | None:
+        """The requirement that the section at a path states; None, and the reasons in ``problems``, if it cannot be."""
+        ...
+
+
+_Kind = TypeVar("_Kind", bound=type[RequirementKind])
+
+KINDS: dict[str, type[RequirementKind]] = {}
+"""By their key below ``requirement``."""
+
+
+def register(kind: _Kind) -> _Kind:
+    """Register a kind of requirement by its key; a class decorator."""
+    KINDS[kind.key] = kind
+    return kind
 
 
 def read_requirement(value: object, problems: Problems) -> Requirement | None:
     """The requirement that the section ``requirement`` states; None, and the reasons in ``problems``, if it cannot be.
 
-    The sections below it are read apart, so that all their problems are told.
+    The sections below it are read apart, so that all their problems are reported.
     """
     where = ("requirement",)
-    section = validate(RequirementSection, value, where, problems)
+    section = validate(requirement_model(), value, where, problems)
     keys = value if isinstance(value, dict) else {}
-    below: dict[str, Requirement | None] = {}
-    if "capability" in keys:
-        capability = validate(CapabilitySection, keys["capability"], (*where, "capability"), problems)
-        below["capability"] = build(capability.build, (*where, "capability"), problems) if capability else None
-    if "conformance" in keys:
-        below["conformance"] = _read_conformance(keys["conformance"], problems)
+    below = {key: kind.read(keys[key], (*where, key), problems) for key, kind in KINDS.items() if key in keys}
     if section is None or None in below.values():
         return None
     return build(section.build, where, problems, below)
 
 
-def _read_conformance(value: object, problems: Problems) -> Requirement | None:
-    where = ("requirement", "conformance")
-    section = validate(ConformanceSection, value, where, problems)
-    if not isinstance(value, dict) or "process" not in value:
-        return None
-    place = (*where, "process")
-    stated = validate(ProcessSection, value["process"], place, problems)
-    process = build(stated.build, place, problems) if stated else None
-    return build(section.build, where, problems, process) if section and process else None
-
-
+@register
 class CapabilitySection(Section):
-    """The capability that the measurand must have."""
+    """The capability that the measurement must have."""
+
+    key: ClassVar[str] = "capability"
 
     percent_p_to_t: Ratio | None = None
     cg: Ratio | None = None
@@ -56,6 +70,12 @@ class CapabilitySection(Section):
     sigmas: Ratio | None = None
     share: Ratio | None = None
     bias: AnyLength | None = None
+
+    @classmethod
+    def read(cls, value: object, where: KeyPath, problems: Problems) -> Requirement | None:
+        """As :meth:`RequirementKind.read`."""
+        section = validate(cls, value, where, problems)
+        return build(section.build, where, problems) if section else None
 
     def build(self) -> CapabilityRequirement:
         """The requirement; raises InputError."""
@@ -76,14 +96,28 @@ class ProcessSection(Section):
         return Process(self.standard_deviation, self.capability, self.offset)
 
 
+@register
 class ConformanceSection(Section):
     """Limits on wrong decisions; the process is read apart."""
+
+    key: ClassVar[str] = "conformance"
 
     rule: Rule = Field(description="simple, guarded or guarded_rejection")
     guard: Ratio | None = None
     process: Any = Field(description="a section with standard_deviation or capability")
     consumer_risk: Ratio | None = None
     producer_risk: Ratio | None = None
+
+    @classmethod
+    def read(cls, value: object, where: KeyPath, problems: Problems) -> Requirement | None:
+        """As :meth:`RequirementKind.read`."""
+        section = validate(cls, value, where, problems)
+        if not isinstance(value, dict) or "process" not in value:
+            return None
+        place = (*where, "process")
+        stated = validate(ProcessSection, value["process"], place, problems)
+        process = build(stated.build, place, problems) if stated else None
+        return build(section.build, where, problems, process) if section and process else None
 
     def build(self, process: Process) -> ConformanceRequirement:
         """The requirement; raises InputError."""
@@ -99,13 +133,11 @@ class ConformanceSection(Section):
 
 
 class RequirementSection(Section):
-    """How accurately and how surely a characteristic has to be measured; the sections below are read apart."""
+    """How accurately, and with what probability, a characteristic must be measured."""
 
     accuracy: Ratio | None = None
     error: Length | None = None
     fraction_of_tolerance: Ratio | None = None
-    capability: Any = None
-    conformance: Any = None
     probability: Ratio | None = None
 
     def build(self, below: Mapping[str, Requirement]) -> Requirement:
@@ -114,9 +146,9 @@ class RequirementSection(Section):
         Parameters
         ----------
         below
-            By the name of their section.
+            By the key of their section.
         """
-        names = ("accuracy", "error", "fraction_of_tolerance", "capability", "conformance")
+        names = ("accuracy", "error", "fraction_of_tolerance", *KINDS)
         kind, value = _only_one({name: getattr(self, name) for name in names}, "requirement")
         if kind in below:
             if self.probability is not None:
@@ -138,6 +170,12 @@ class RequirementSection(Section):
                 expected="at most 1 (100 %)",
             )
         return Requirement(kind, value, self.probability)
+
+
+def requirement_model() -> type[RequirementSection]:
+    """The section's model with a key for each kind that is registered; the sections below are read apart."""
+    kinds: dict[str, Any] = dict.fromkeys(KINDS, (Any, None))
+    return create_model("RequirementSection", __base__=RequirementSection, **kinds)
 
 
 def _only_one(stated: Mapping[str, Any], what: str) -> tuple[str, Any]:
