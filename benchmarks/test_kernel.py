@@ -9,7 +9,7 @@ import pytest
 
 import part
 from viewgauge.evaluation import image_segment
-from viewgauge.evaluation.kernel import ProbabilityKernel
+from viewgauge.evaluation.compiled.kernel import ProbabilityKernel
 from viewgauge.geometry import VIEWS
 from viewgauge.visibility import VISIBLE, Culling
 

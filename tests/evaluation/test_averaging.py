@@ -7,7 +7,7 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.evaluation import Acquisitions, averaged_success_probability, image_segment, success_probability
-from viewgauge.evaluation.kernel import ProbabilityKernel
+from viewgauge.evaluation.compiled.kernel import ProbabilityKernel
 from viewgauge.geometry import invert, look_at, transform, view_block
 from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.visibility import VISIBLE

@@ -7,9 +7,9 @@ import pytest
 
 from viewgauge.evaluation import image_segment, success_probability
 from viewgauge.evaluation.averaging import averaged_success_probability
+from viewgauge.evaluation.compiled.kernel import ProbabilityKernel
+from viewgauge.evaluation.compiled.pair_columns import PairColumns
 from viewgauge.evaluation.error_budget import SOURCES, averaged_error_budget, error_budget
-from viewgauge.evaluation.kernel import ProbabilityKernel
-from viewgauge.evaluation.pair_columns import PairColumns
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import Lens, PoseError, invert, look_at, transform, view_block
 from viewgauge.part.measurand_table import MeasurandTable

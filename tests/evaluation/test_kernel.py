@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgauge.evaluation import image_segment
-from viewgauge.evaluation.kernel import ProbabilityKernel
-from viewgauge.evaluation.pair_columns import PairColumns
+from viewgauge.evaluation.compiled.kernel import ProbabilityKernel
+from viewgauge.evaluation.compiled.pair_columns import PairColumns
 from viewgauge.evaluation.validity import _sizes
 from viewgauge.geometry import VIEWS, PoseError, invert, look_at, transform, view_block
 from viewgauge.part.measurand_table import MeasurandTable

@@ -63,6 +63,9 @@ def around(count, seed=5):
     return look_at(eyes, np.array([50, 30, 20]) + rng.normal(0, 25, (count, 3)), rng.uniform(0, 3, count))
 
 
+LIMITS = ObservationLimits()
+
+
 def table_of(
     poses,
     characteristics=CHARACTERISTICS,
@@ -70,9 +73,10 @@ def table_of(
     pose_error=POSE_ERROR,
     requirement=SURE,
     mesh=STEPPED,
+    limits=LIMITS,
     **options,
 ):
-    evaluator = Evaluator(characteristics, mesh, Setup(camera, pose_error, requirement), **options)
+    evaluator = Evaluator(characteristics, mesh, Setup(camera, pose_error, requirement, limits), **options)
     values = evaluator.table(poses)
     columns = {name: getattr(values, name) for name in (*COLUMNS, "measurand", "validity") if name != "accepted"}
     columns["accepted"] = values.visible & (values.probability >= requirement.probability)

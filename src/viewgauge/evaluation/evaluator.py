@@ -17,9 +17,9 @@ from ..part import Characteristic, Mesh
 from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
 from ..visibility import VISIBLE, Culling, Occluder, SightLines
-from .best_measurands import best_measurands
-from .kernel import ProbabilityKernel
-from .pair_columns import PairColumns
+from .compiled.best_measurands import best_measurands
+from .compiled.kernel import ProbabilityKernel
+from .compiled.pair_columns import PairColumns
 from .segment import FirstOrderMethod, SegmentImage, image_segment, require_plain
 from .setup import Setup
 from .validity import NEGLIGIBLE, WARNINGS, validity

@@ -13,11 +13,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors.joint.mean_absolute_array import mean_absolute_into
-from ..geometry import VIEWS, PoseError
-from ..part.measurand_table import MeasurandTable
-from ..sensors import Camera
-from .camera_errors import PairCameraErrors
+from ...errors.joint.mean_absolute_array import mean_absolute_into
+from ...geometry import VIEWS, PoseError
+from ...part.measurand_table import MeasurandTable
+from ...sensors import Camera
+from ..camera_errors import PairCameraErrors
 
 __all__ = ["PairColumns", "PairValues"]
 

@@ -6,8 +6,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import VIEWS
-from ..visibility import OCCLUDED, VISIBLE, SightLines
+from ...geometry import VIEWS
+from ...visibility import OCCLUDED, VISIBLE, SightLines
 
 __all__ = ["best_measurands"]
 

@@ -22,12 +22,12 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors.joint.closed_form_array import central_probability_into
-from ..geometry import VIEWS, PoseError
-from ..part.measurand_table import MeasurandTable
-from ..sensors import Camera
-from ..visibility import VISIBLE
-from .camera_errors import PairCameraErrors
+from ...errors.joint.closed_form_array import central_probability_into
+from ...geometry import VIEWS, PoseError
+from ...part.measurand_table import MeasurandTable
+from ...sensors import Camera
+from ...visibility import VISIBLE
+from ..camera_errors import PairCameraErrors
 
 __all__ = ["ProbabilityKernel"]
 
