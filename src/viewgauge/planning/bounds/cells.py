@@ -12,9 +12,10 @@ from ...evaluation import Requirement, Setup
 from ...part import Characteristic
 from ...part.measurand_table import MeasurandTable
 from ..candidates.candidate_grid import spread_directions
+from ..region import Region
 from .branch_and_bound import Budget, acceptable_distances, widest_tangent
 from .distance_grid import DistanceGrid
-from .eye_region import EyeRegion, Faces, distance_range, first_cell
+from .eye_region import Faces, distance_range, first_cell
 from .measurand_groups import measurand_groups
 
 __all__ = ["AXES", "AXES_APART_RAD", "CellSets"]
@@ -41,7 +42,7 @@ class CellSets:
         self,
         characteristics: Sequence[Characteristic],
         setup: Setup,
-        region: EyeRegion,
+        region: Region,
     ) -> None:
         self._measurands = measurands = MeasurandTable.of(characteristics)
         self._region = region

@@ -12,9 +12,10 @@ from ...evaluation import Setup
 from ...geometry import PoseError
 from ...part import Characteristic
 from ...part.measurand_table import MeasurandTable
+from ..region import Region
 from .branch_and_bound import DEFAULT_BUDGET, Bound, Budget, probability_bound
 from .distance_grid import DistanceGrid
-from .eye_region import EyeRegion, reachable_distances
+from .eye_region import reachable_distances
 from .measurand_groups import MeasurandGroup, measurand_groups
 
 __all__ = ["Certificate", "certify"]
@@ -52,7 +53,7 @@ class Certificate:
 def certify(
     characteristic: Characteristic,
     setup: Setup,
-    region: EyeRegion,
+    region: Region,
     *,
     budget: Budget = DEFAULT_BUDGET,
 ) -> Certificate:

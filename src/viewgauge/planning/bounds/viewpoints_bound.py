@@ -20,8 +20,9 @@ from ...evaluation import Setup
 from ...part import Characteristic
 from ..cover.dominance import maximal_rows
 from ..cover.minimum_cover import minimum_cover
+from ..region import Region
 from .cells import CellSets
-from .eye_region import EyeRegion, first_cell, halves
+from .eye_region import first_cell, halves
 
 __all__ = ["ViewpointsBound", "viewpoints_lower_bound"]
 
@@ -54,7 +55,7 @@ class ViewpointsBound:
 def viewpoints_lower_bound(
     characteristics: Sequence[Characteristic],
     setup: Setup,
-    region: EyeRegion,
+    region: Region,
     *,
     attained: NDArray[np.bool_] | None = None,
     enough: int | None = None,

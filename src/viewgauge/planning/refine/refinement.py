@@ -21,7 +21,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +28,10 @@ from numpy.typing import NDArray
 from ...evaluation import Evaluator
 from ..cover.prices import characteristic_prices
 from ..cover.viewpoint_pool import ViewpointPool
+from ..region import Region
 from .pose_search import PoseSearch
 
-__all__ = ["AllowedPositions", "Refinement", "RefinementStep", "Refiner"]
+__all__ = ["Refinement", "RefinementStep", "Refiner"]
 
 _WIDE, _NEAR, _CLOSE = PoseSearch(64, 12, 2.0), PoseSearch(64, 24, 1.0), PoseSearch(192, 40, 0.5)
 _STARTS = 24  # of a search, of the viewpoints at hand
@@ -43,14 +43,6 @@ _STEP = 1e-4  # of the weakest characteristic's probability, from which a change
 _RAISED = 0.1  # of what lies between the weakest probability and 1: how much higher is asked for
 
 _Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-
-
-class AllowedPositions(Protocol):
-    """Where the centre of projection may stand."""
-
-    def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """``(n,)`` of positions ``(n, 3)`` mm, part frame."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -94,7 +86,7 @@ class Refiner:
     evaluator
         Of all d characteristics.
     region
-        Where a viewpoint may stand.
+        Where a viewpoint may be.
     pool
         Viewpoints to choose from, at least those of the arrangement.
     measurand_middle
@@ -106,7 +98,7 @@ class Refiner:
     def __init__(
         self,
         evaluator: Evaluator,
-        region: AllowedPositions,
+        region: Region,
         required: float,
         pool: ViewpointPool,
         measurand_middle: NDArray[np.float64],
@@ -260,7 +252,7 @@ class Refiner:
 
         def value(poses: NDArray[np.float64]) -> NDArray[np.float64]:
             values = np.full(len(poses), -np.inf)
-            allowed = np.flatnonzero(self._region.allowed(poses[:, :3, 3]))
+            allowed = np.flatnonzero(self._region.allows(poses))
             if len(allowed):
                 values[allowed] = score(evaluator.probabilities(poses[allowed]))
             return values
