@@ -31,7 +31,7 @@ def inspection():
     """Some characteristics of the block, more accurately than one acquisition measures all of them; three acquisitions
     are allowed.
     """
-    inspection = vg.load(EXAMPLE / "acquisitions.yaml")
+    inspection = vg.load(EXAMPLE / "averaging.yaml")
     characteristics = tuple(d for d in inspection.part.characteristics if d.id in CHARACTERISTICS)
     options = replace(inspection.candidates, directions=100, distances=2)
     return replace(inspection, part=replace(inspection.part, characteristics=characteristics), candidates=options)
