@@ -69,7 +69,9 @@ def test_a_mean_meets_what_no_viewpoint_does(none_common):
             entry.probability, abs=1e-12
         )
         # another seed than the confirmation's; 99.9 % interval, false alarm at most 0.4 % in all; 3e-4: first order
-        estimate = estimate_averaged_probability(points, job.setup.camera, job.setup.pose_error, allowed, draws=100_000, rng=77)
+        estimate = estimate_averaged_probability(
+            points, job.setup.camera, job.setup.pose_error, allowed, draws=100_000, rng=77
+        )
         assert estimate.low - 3e-4 <= entry.probability <= estimate.high + 3e-4
     assert list(added.viewpoints) == sorted(set(added.viewpoints) - set(PLANNED))
     used = {k for entry in added.characteristics for k in entry.acquisitions}

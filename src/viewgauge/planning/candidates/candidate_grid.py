@@ -99,9 +99,7 @@ class CandidateGrid:
         self._left_before = excluded - np.arange(len(excluded))
         if not len(self):
             why = self._why_none(members, workpiece)
-            raise NoCandidateError(
-                f"no candidate viewpoint is left: at distances of {near:.4g} to {far:.4g} mm {why}"
-            )
+            raise NoCandidateError(f"no candidate viewpoint is left: at distances of {near:.4g} to {far:.4g} mm {why}")
 
     def __len__(self) -> int:
         """Number of candidates."""

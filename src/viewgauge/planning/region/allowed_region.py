@@ -33,7 +33,7 @@ class AllowedRegion:
         return left
 
     def possible(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """``(n,)``: False only where some member allows no pose with its eye in the box between corners ``(n, 3)`` mm."""
+        """``(n,)``: False only where some member allows no pose with the eye between corners ``(n, 3)`` mm."""
         left = np.ones(len(low), dtype=bool)
         for member in self.members:
             left[left] = member.possible(low[left], high[left])
