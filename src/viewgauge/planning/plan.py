@@ -114,10 +114,10 @@ class Plan(Drawable):
     refinement
         What refining changed; None where nothing was refined.
     anywhere
-        Least number of viewpoints that measure those characteristics wherever in the region they stand; None where that
+        Least number of viewpoints that measure those characteristics wherever in the region they are; None where that
         was not asked.
     interrupted
-        Somebody ended a step: the plan is the best so far.
+        A step was interrupted: the plan is the best so far.
     """
 
     seed: int

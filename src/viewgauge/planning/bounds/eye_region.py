@@ -17,7 +17,7 @@ _SAFE = 1e-9  # of the size, against rounding
 _CELLS = 250_000  # of eye positions, shared by the measurands; what is left then counts as reachable
 _FEWEST_CELLS = 25_000  # of each measurand
 _ROUGH_CELLS = 10_000
-_ROUGH_BINS = 96  # of a first look, which only finds the range of the distances
+_ROUGH_BINS = 96  # of a first pass, which only finds the range of the distances
 
 
 def first_cell(region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -64,7 +64,7 @@ class CandidateGrid:
     """Candidate camera poses around the part, made when they are asked for: their number costs no memory.
 
     Every combination of a point aimed at (the centre of the measurands and the centres of clusters of measurands), a
-    distance, a direction and a roll. Poses whose camera would stand where it must not are left out.
+    distance, a direction and a roll. Poses that the region does not allow are left out.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class CandidateGrid:
         return look_at(eyes, aim, self._rolls[roll])
 
     def _excluded(self, region: AllowedRegion, outside: Mesh | None) -> NDArray[np.int64]:
-        """Combinations that a region does not allow, ascending; those far outside of a mesh need no look."""
+        """Combinations that a region does not allow, ascending; those far outside of a mesh are not asked about."""
         excluded = [np.zeros(0, np.int64)]
         corners = None if outside is None else np.array(np.meshgrid(*outside.bounds.T)).reshape(3, -1).T
         size = len(self._directions) * len(self._rolls)
