@@ -238,7 +238,7 @@ def test_where_nothing_is_left_the_message_says_what_stands_in_the_way():
     with pytest.raises(NoCandidateError, match="nearer than the standoff; allow larger distances"):
         CandidateGrid(MEASURANDS, CHANNEL, CAMERA, replace(OPTIONS, regions=(Standoff(2000.0),)), seed=0)
     halves = (Hemisphere((0.0, 0.0, 0.0)), ForbiddenBox((-900.0, -900.0, -1.0), (900.0, 900.0, 900.0)))
-    shares = r"in part \d\d% outside the hemisphere, \d\d% in a forbidden box; allow more room"
+    shares = r"\d\d% of the cameras would be outside the hemisphere, \d\d% in a forbidden box; allow more room"
     with pytest.raises(NoCandidateError, match=shares):
         CandidateGrid(MEASURANDS, CHANNEL, CAMERA, replace(OPTIONS, regions=halves), seed=0)
 

@@ -147,8 +147,10 @@ class CandidateGrid:
             if each[member.outside].all():
                 advice = "allow larger distances" if member.clears_part else "allow more room or other distances"
                 return f"every camera would be {member.outside}; {advice}"
-        shares = ", ".join(f"{excluded.mean():.0%} {outside}" for outside, excluded in each.items() if excluded.any())
-        return f"the cameras would be in part {shares}; allow more room or other distances"
+        shares = [(f"{excluded.mean():.0%}", outside) for outside, excluded in each.items() if excluded.any()]
+        (share, outside), *others = shares
+        words = [f"{share} of the cameras would be {outside}", *(" ".join(other) for other in others)]
+        return f"{', '.join(words)}; allow more room or other distances"
 
 
 def _targets(measurand_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:
