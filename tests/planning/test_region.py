@@ -402,8 +402,8 @@ class _UprightSection(RegionSection):
 
 def test_a_registered_region_has_a_key_in_the_inspection_file(tmp_path, monkeypatch):
     monkeypatch.setattr(region_section, "_KEYS", dict(region_section._KEYS))
-    register_region(Upright.key, _UprightSection)
-    register_quantity(Ball.key, Length, Ball)
+    register_region(Upright.key, _UprightSection, "how far the camera may be tilted")
+    register_quantity(Ball.key, Length, "the radius of a ball in which the camera must be", Ball)
     path = tmp_path / "inspection.yaml"
     path.write_text("""\
 camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
@@ -415,4 +415,4 @@ candidates:
 """)
     assert read_inspection_file(path).candidates.regions == (Upright((0.0, 1.0, 0.0)), Ball(120.0))
     with pytest.raises(InputError, match="how candidates are sampled"):
-        register_region("cone", _UprightSection)
+        register_region("cone", _UprightSection, "a key that exists")

@@ -25,7 +25,7 @@ from ..files.problems import KeyPath
 from ..poses.covariance_file import CovarianceFile, read_covariance
 from .camera_section import CalibratedCameraSection, CameraSection, EdgeDetectorSection, UncertaintySection
 from .inspection_text import InspectionText, read_inspection_text
-from .region_section import read_candidates
+from .region_section import read_options
 from .requirement_section import read_requirement
 from .sections import (
     AveragingSection,
@@ -147,13 +147,13 @@ class _Reader:
         characteristics = self._characteristics()
         camera, requirement = self._camera(), self._requirement()
         pose_error = self._pose_error(None if requirement is None else requirement.probability)
-        candidates = read_candidates(self._section("candidates"), self.problems)
+        candidates = read_options(self._section("candidates"), self.problems)
         limits, averaged_viewpoints = self._limits(), self._averaged_viewpoints()
         self.problems.raise_if_any()
         # nothing is None now: each would have left a problem
         assert top and part and camera and pose_error and requirement and candidates  # noqa: PT018
         assert limits and averaged_viewpoints  # noqa: PT018
-        options, viewpoints_file = candidates
+        section, options = candidates
         stated = cast(dict[str, Any], self.sections["pose_uncertainty"])
         return InspectionFile(
             path=self.path,
@@ -164,7 +164,7 @@ class _Reader:
             pose_error=pose_error,
             requirement=requirement,
             candidates=options,
-            viewpoints_file=self._path(viewpoints_file, "candidates.viewpoints"),
+            viewpoints_file=self._path(section.viewpoints, "candidates.viewpoints"),
             covariance_file=self._path(stated.get("covariance"), "pose_uncertainty.covariance"),
             limits=limits,
             seed=top.seed,

@@ -18,7 +18,7 @@ from ..files.problems import KeyPath, Problems
 from .sections import CandidatesSection, ConeSection, Direction, Length, LengthOrZero, Point, Section
 from .validation import build, validate
 
-__all__ = ["RegionSection", "candidates_section", "read_candidates", "register_quantity", "register_region"]
+__all__ = ["RegionSection", "candidates_section", "read_options", "register_quantity", "register_region"]
 
 _WHERE: KeyPath = ("candidates",)
 
@@ -39,6 +39,8 @@ class _RegionKey:
     ----------
     field
         Type of the key in the section ``candidates``.
+    description
+        What the key states, for messages and editors.
     section
         What the value, or each entry of a list, is read as; None where the value is one quantity.
     listed
@@ -48,6 +50,7 @@ class _RegionKey:
     """
 
     field: Any
+    description: str
     section: type[RegionSection] | None = None
     listed: bool = False
     make: Callable[[Any], RegionMember] | None = None
@@ -56,7 +59,7 @@ class _RegionKey:
 _KEYS: dict[str, _RegionKey] = {}
 
 
-def register_region(key: str, section: type[RegionSection], *, listed: bool = False) -> None:
+def register_region(key: str, section: type[RegionSection], description: str, *, listed: bool = False) -> None:
     """Let the section ``candidates`` of an inspection file state a kind of member of the allowed region.
 
     Parameters
@@ -65,13 +68,15 @@ def register_region(key: str, section: type[RegionSection], *, listed: bool = Fa
         The member's own key, such as ``Box.key``. A key that is registered again is replaced.
     section
         What the value is read as. Its ``build`` makes the member.
+    description
+        What the key states, such as "a box in which the camera must be".
     listed
         The value is a list, each entry of which is read as a section and makes a member.
     """
-    _register(key, _RegionKey(list[Any] if listed else Any, section, listed))
+    _register(key, _RegionKey(list[Any] if listed else Any, description, section, listed))
 
 
-def register_quantity(key: str, quantity: Any, make: Callable[[Any], RegionMember]) -> None:
+def register_quantity(key: str, quantity: Any, description: str, make: Callable[[Any], RegionMember]) -> None:
     """The same for a member that is made of one quantity, such as ``standoff: 80 mm``.
 
     Parameters
@@ -79,7 +84,7 @@ def register_quantity(key: str, quantity: Any, make: Callable[[Any], RegionMembe
     quantity
         Type of the value, such as ``Length`` of :mod:`~viewgauge.formats.inspection.sections`.
     """
-    _register(key, _RegionKey(quantity, make=make))
+    _register(key, _RegionKey(quantity, description, make=make))
 
 
 def _register(key: str, read: _RegionKey) -> None:
@@ -90,14 +95,16 @@ def _register(key: str, read: _RegionKey) -> None:
 
 def candidates_section() -> type[CandidatesSection]:
     """The section ``candidates`` with the keys of all registered members."""
-    fields: dict[str, Any] = {name: (key.field | None, None) for name, key in _KEYS.items()}
+    fields: dict[str, Any] = {
+        name: (key.field | None, Field(default=None, description=key.description)) for name, key in _KEYS.items()
+    }
     made: type[CandidatesSection] = create_model("CandidatesSection", __base__=CandidatesSection, **fields)
     return made
 
 
-def read_candidates(value: object, problems: Problems) -> tuple[CandidateOptions, str | None] | None:
-    """The options and the name of the viewpoints file that the section ``candidates`` states, with the defaults for
-    what is not given; None, and the reasons in ``problems``, if it cannot be read.
+def read_options(value: object, problems: Problems) -> tuple[CandidatesSection, CandidateOptions] | None:
+    """The section ``candidates`` and the options that it states; None, and the reasons in ``problems``, if it cannot be
+    read.
     """
     section = validate(candidates_section(), value, _WHERE, problems)
     stated = value if isinstance(value, dict) else {}
@@ -119,7 +126,7 @@ def read_candidates(value: object, problems: Problems) -> tuple[CandidateOptions
         return None
     regions = tuple(member for member in members if member is not None)
     options = build(section.build, _WHERE, problems, cone, regions)
-    return None if options is None else (options, section.viewpoints)
+    return None if options is None else (section, options)
 
 
 def _member(section: type[RegionSection], value: object, where: KeyPath, problems: Problems) -> RegionMember | None:
@@ -174,7 +181,13 @@ class HemisphereSection(RegionSection):
         return Hemisphere(self.centre, self.axis, float("inf") if self.radius is None else self.radius)
 
 
-register_region(Box.key, BoxSection)
-register_region(Hemisphere.key, HemisphereSection)
-register_region(ForbiddenBox.key, ForbiddenBoxSection, listed=True)
-register_quantity(Standoff.key, LengthOrZero, Standoff)
+register_region(Box.key, BoxSection, "a box in which the camera must be")
+register_region(Hemisphere.key, HemisphereSection, "the side of a plane on which the camera must be")
+register_region(ForbiddenBox.key, ForbiddenBoxSection, "a list of boxes in which the camera must not be", listed=True)
+register_quantity(
+    Standoff.key,
+    LengthOrZero,
+    "the camera's least distance from the part's surface, such as 20 mm; by default it stays out of the part's bounding "
+    "box",
+    Standoff,
+)
