@@ -187,7 +187,7 @@ register_region(ForbiddenBox.key, ForbiddenBoxSection, "a list of boxes in which
 register_quantity(
     Standoff.key,
     LengthOrZero,
-    "the camera's least distance from the part's surface, such as 20 mm; by default it stays out of the part's bounding "
-    "box",
+    "the camera's least distance from the part's surface, such as 20 mm; by default it stays out of the part's "
+    "bounding box",
     Standoff,
 )
