@@ -6,7 +6,7 @@ import pytest
 
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
-from viewgauge.planning.region.allowed_region import Hemisphere
+from viewgauge.planning.region import Box, ForbiddenBox, Hemisphere, Standoff
 
 BASE = """\
 camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
@@ -26,7 +26,7 @@ def test_places_are_read(tmp_path):
     options = read(
         tmp_path,
         """\
-  box: {lowest: "[-300, -300, 5] mm", highest: [30, 30, 70] cm}
+  box: {lowest: "[-300, -300, 5] mm", highest: "[30, 30, 70] cm"}
   hemisphere: {centre: "[0, 0, 10] mm", axis: [0, 1, 1], radius: 0.6 m}
   forbidden:
     - {lowest: "[0, 0, 0] mm", highest: "[100, 100, 100] mm"}
@@ -34,18 +34,18 @@ def test_places_are_read(tmp_path):
   standoff: 2 cm
 """,
     ).candidates
-    assert options.box == ((-300.0, -300.0, 5.0), (300.0, 300.0, 700.0))
-    assert options.hemisphere == Hemisphere((0.0, 0.0, 10.0), (0.0, 1.0, 1.0), 600.0)
-    assert options.forbidden == (((0.0,) * 3, (100.0,) * 3), ((-9.0,) * 3, (-8.0,) * 3))
-    assert options.standoff_mm == 20.0
-    assert options.bounded
+    assert options.regions == (
+        Box((-300.0, -300.0, 5.0), (300.0, 300.0, 700.0)),
+        Hemisphere((0.0, 0.0, 10.0), (0.0, 1.0, 1.0), 600.0),
+        ForbiddenBox((0.0,) * 3, (100.0,) * 3),
+        ForbiddenBox((-9.0,) * 3, (-8.0,) * 3),
+        Standoff(20.0),
+    )
 
 
 def test_nothing_given_is_nothing_asked(tmp_path):
-    options = read(tmp_path, "  rolls: 2\n").candidates
-    assert (options.box, options.hemisphere, options.forbidden, options.standoff_mm) == (None, None, (), None)
-    assert not options.bounded
-    assert read(tmp_path, "  standoff: 0 mm\n").candidates.bounded, "out of the part, also out of its pockets' walls"
+    assert read(tmp_path, "  rolls: 2\n").candidates.regions == ()
+    assert read(tmp_path, "  standoff: 0 mm\n").candidates.regions == (Standoff(0.0),), "out of the part all the same"
 
 
 @pytest.mark.parametrize(

@@ -29,12 +29,8 @@ def job_with(common_share, edge_px=1.0):
     characteristics = [d for d in inspection.part.characteristics if d.id in CHARACTERISTICS]
     job = EvaluationJob.of(inspection, characteristics, candidate_grid(inspection, characteristics))
     common = pose_error.covariance * common_share
-    return replace(
-        job,
-        pose_error=vg.PoseError(
-            pose_error.covariance, T_camera_frame=pose_error.T_camera_frame, common_covariance=common
-        ),
-    )
+    stated = vg.PoseError(pose_error.covariance, T_camera_frame=pose_error.T_camera_frame, common_covariance=common)
+    return replace(job, setup=replace(job.setup, pose_error=stated))
 
 
 def shortlist(job, size=16_384):
@@ -69,11 +65,13 @@ def test_a_mean_meets_what_no_viewpoint_does(none_common):
         assert 2 <= len(entry.acquisitions) <= 3
         points = points_of(job, added, entry)
         allowed = evaluator_of(job).allowed_error_mm[entry.characteristic]
-        assert averaged_success_probability(points, job.camera, job.pose_error, allowed) == pytest.approx(
+        assert averaged_success_probability(points, job.setup.camera, job.setup.pose_error, allowed) == pytest.approx(
             entry.probability, abs=1e-12
         )
         # another seed than the confirmation's; 99.9 % interval, false alarm at most 0.4 % in all; 3e-4: first order
-        estimate = estimate_averaged_probability(points, job.camera, job.pose_error, allowed, draws=100_000, rng=77)
+        estimate = estimate_averaged_probability(
+            points, job.setup.camera, job.setup.pose_error, allowed, draws=100_000, rng=77
+        )
         assert estimate.low - 3e-4 <= entry.probability <= estimate.high + 3e-4
     assert list(added.viewpoints) == sorted(set(added.viewpoints) - set(PLANNED))
     used = {k for entry in added.characteristics for k in entry.acquisitions}
@@ -94,10 +92,12 @@ def test_more_acquisitions_meet_more_and_a_common_error_less(none_common):
         return {entry.characteristic for entry in add_acquisitions(job, short, PLANNED, most, 0).characteristics}
 
     assert met(job, short, 2) < met(job, short, 6)
-    # from 0.1 px the head limits; if its error is all common, means gain less
+    # from 0.1 px on the pose error limits; if its error is all common, means gain less
     sharp = job_with(0.0, 0.05)
     stuck = job_with(1.0, 0.05)
-    sharp, stuck = (replace(j, requirement=vg.Requirement("accuracy", 0.9997, 0.95)) for j in (sharp, stuck))
+    sharp, stuck = (
+        replace(j, setup=replace(j.setup, requirement=vg.Requirement("accuracy", 0.9997, 0.95))) for j in (sharp, stuck)
+    )
     assert met(sharp, shortlist(sharp), 3) > met(stuck, shortlist(stuck), 3)
 
 
@@ -122,8 +122,8 @@ def test_a_mean_that_the_full_camera_refutes_gets_one_acquisition_more(none_comm
 
 def test_without_a_stated_common_part_nothing_is_averaged(none_common):
     job, _ = none_common
-    unknown = replace(
-        job, pose_error=vg.PoseError(job.pose_error.covariance, T_camera_frame=job.pose_error.T_camera_frame)
-    )
+    pose_error = job.setup.pose_error
+    total = vg.PoseError(pose_error.covariance, T_camera_frame=pose_error.T_camera_frame)
+    unknown = replace(job, setup=replace(job.setup, pose_error=total))
     with pytest.raises(vg.InputError, match="drawn anew"):
         acquisitions_chunk(unknown, (0, 50))

@@ -33,7 +33,7 @@ def written(folder: Path, **changes: str) -> Path:
     sections = {
         "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], "
         "edge_detector: {quantization: 0.1 px}}",
-        "pose_error": "{translation: 0.1 mm, rotation: 0.02 deg}",
+        "pose_uncertainty": "{translation: 0.1 mm, rotation: 0.02 deg}",
         "requirement": "{accuracy: 0.999, probability: 0.95}",
         **changes,
     }
@@ -100,7 +100,7 @@ def test_refined_one_viewpoint_does_what_takes_two_candidates(inspection, plan, 
     assert plan.refinement.finished
     region = candidate_grid(inspection, inspection.part.characteristics).region
     for made in (plan, sampled):
-        assert region.allowed(np.array([s.T_part_camera[:3, 3] for s in made.viewpoints])).all()
+        assert region.allows(np.array([s.T_part_camera for s in made.viewpoints])).all()
 
 
 def test_no_single_candidate_measures_everything(inspection, plan):
@@ -174,8 +174,8 @@ def test_plan_json_has_the_keys_of_the_contract(inspection, plan):
 
 
 def own(name: str, start: str, end: str, more: str = "tolerance: 0.4 mm") -> str:
-    """A characteristic by its two points."""
-    keys = [f"id: {name}", f"start: {start}", f"end: {end}", *more.split(", ")]
+    """A characteristic by its two points, mm."""
+    keys = [f"id: {name}", f"points: [{start}, {end}]", "unit: mm", *more.split(", ")]
     return "characteristics:\n    - " + "\n      ".join(keys) + "\n"
 
 
@@ -259,7 +259,7 @@ def test_an_entry_without_points_overrides_tolerance_and_observation_of_a_pmi_ch
 def test_a_measurand_of_ones_own_is_added_to_those_of_the_pmi(tmp_path):
     path = written(
         tmp_path,
-        part=own("mine", "[0, 0, 40] mm", "[60, 0, 40] mm", "tolerance: 0.1 mm, observed: whole"),
+        part=own("mine", "[0, 0, 40]", "[60, 0, 40]", "tolerance: 0.1 mm, observed: whole"),
     )
     inspection = vg.load(path)
     assert [d.id for d in inspection.part.characteristics] == [*IDS, "mine"]
@@ -276,7 +276,7 @@ def test_a_measurand_of_ones_own_is_added_to_those_of_the_pmi(tmp_path):
 
 
 def test_a_measurand_of_ones_own_takes_the_place_of_the_pmis_and_it_is_said(tmp_path):
-    path = written(tmp_path, part=own("E2", "[0, 60, 40] mm", "[60, 60, 40] mm"))
+    path = written(tmp_path, part=own("E2", "[0, 60, 40]", "[60, 60, 40]"))
     part = vg.load(path).part
     assert [d.id for d in part.characteristics] == IDS
     (replaced,) = [d for d in part.characteristics if d.id == "E2"]
@@ -288,12 +288,12 @@ def test_a_measurand_of_ones_own_takes_the_place_of_the_pmis_and_it_is_said(tmp_
 @pytest.mark.parametrize(
     ("name", "start", "telling"),
     [
-        ("mine", "[0, 0, 400] mm", "characteristic outside the part: its start is 360 mm from the surface"),
+        ("mine", "[0, 0, 400]", "characteristic outside the part: its start is 360 mm from the surface"),
         ("E99", None, "'E99' is not in the part's PMI"),
     ],
 )
 def test_entries_that_do_not_fit_the_part_are_reported_with_file_line_and_key(tmp_path, name, start, telling):
-    entry = own(name, start, "[60, 0, 40] mm") if start else "characteristics:\n    - {id: E99, tolerance: 0.1 mm}\n"
+    entry = own(name, start, "[60, 0, 40]") if start else "characteristics:\n    - {id: E99, tolerance: 0.1 mm}\n"
     path = written(tmp_path, part=entry)
     with pytest.raises(InspectionFileError) as caught:
         vg.load(path)

@@ -17,7 +17,7 @@ import viewgauge as vg
 from viewgauge.evaluation.error_budget import SOURCES
 from viewgauge.geometry import invert, transform
 from viewgauge.jobs.budgets import capability_of_characteristics
-from viewgauge.jobs.planning import plan_steps as after_choice
+from viewgauge.jobs.planning import plan_steps
 from viewgauge.jobs.write import describe_plan
 from viewgauge.planning.inspection import ExplicitViewpoints
 from viewgauge.simulation import estimate_averaged_probability, estimate_success_probability
@@ -31,7 +31,7 @@ def inspection():
     """Some characteristics of the block, more accurately than one acquisition measures all of them; three acquisitions
     are allowed.
     """
-    inspection = vg.load(EXAMPLE / "acquisitions.yaml")
+    inspection = vg.load(EXAMPLE / "averaging.yaml")
     characteristics = tuple(d for d in inspection.part.characteristics if d.id in CHARACTERISTICS)
     options = replace(inspection.candidates, directions=100, distances=2)
     return replace(inspection, part=replace(inspection.part, characteristics=characteristics), candidates=options)
@@ -132,7 +132,7 @@ def test_ctrl_c_ends_a_step_and_what_there_is_becomes_the_plan(inspection, monke
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(after_choice, step, stopped)
+    monkeypatch.setattr(plan_steps, step, stopped)
     plan = vg.plan(inspection)
     assert plan.interrupted
     assert of(plan, "E1").status == "met"

@@ -18,7 +18,10 @@ class Shell:
         self.near, self.far, self.centre, self.above = near, far, np.asarray(centre, dtype=float), above
         self.bounds = np.stack([self.centre - far, self.centre + far])
 
-    def allowed(self, points):
+    def allows(self, T_part_camera):
+        return self.holds(T_part_camera[:, :3, 3])
+
+    def holds(self, points):
         r = np.linalg.norm(points - self.centre, axis=-1)
         return (r >= self.near) & (r <= self.far) & (points[:, 2] >= self.above)
 
@@ -31,7 +34,7 @@ class Shell:
         direction = rng.normal(size=(count, 3))
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         eyes = self.centre + direction * rng.uniform(self.near, self.far, (count, 1))
-        return eyes[self.allowed(eyes)]
+        return eyes[self.holds(eyes)]
 
 
 def measurand(start, end, normals=EVERY_WAY, end_normals=None):
@@ -64,7 +67,7 @@ def probabilities(poses, measured, allowed_mm, camera, error, limits):
 
 
 def random_poses(rng, region, around_mm, spread_mm, count):
-    """Eyes in the region that acquisition near a point."""
+    """Poses with eyes in the region that are aimed near a point."""
     eyes = region.sample(rng, count)
     aims = np.asarray(around_mm) + rng.normal(size=eyes.shape) * spread_mm
     return look_at(eyes, aims, rng.uniform(-np.pi, np.pi, len(eyes)))

@@ -37,7 +37,7 @@ def test_pixels_alone_are_named():
     coarse = Camera(16.0, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
     certificate = certify(ON_TOP, Setup(coarse, NO_ERROR, REQUIREMENT, LIMITS), REGION)
     assert certificate.proven
-    assert certificate.cause.startswith("the pixels alone prevent it: even with a head without error at most 0.")
+    assert certificate.cause.startswith("the pixels alone prevent it: even without pose error at most 0.")
     assert 0.604 < certificate.upper_bound < 0.72
 
 

@@ -8,7 +8,16 @@ import numpy as np
 
 from viewgauge.evaluation import BestRows, CapabilityRequirement, Requirement, TableBlock
 from viewgauge.part import Characteristic, Measurand, NotMeasurable
-from viewgauge.planning import Undominated, choose_viewpoints, compose_plan, probability_levels, without_allowed_error
+from viewgauge.planning import (
+    ChosenViewpoints,
+    NotMetFindings,
+    PlanRecord,
+    Undominated,
+    choose_viewpoints,
+    compose_plan,
+    probability_levels,
+    without_allowed_error,
+)
 from viewgauge.visibility import REASONS
 
 REQUIRED = Requirement("error", 0.05, 0.9)
@@ -44,7 +53,7 @@ def rows(values: TableBlock, chosen):
 
 
 def plan_of(values, characteristics, not_measurable=(), ids=None):
-    """As the workflow does it: keep what the cover needs, choose, compose."""
+    """As the job does it: keep what the cover needs, choose, compose."""
     poses = np.tile(np.eye(4), (len(values.reason), 1, 1))
     poses[:, 0, 3] = np.arange(len(poses))
     level = probability_levels(np.where(values.visible, values.probability, 0.0), REQUIRED.probability)
@@ -52,17 +61,14 @@ def plan_of(values, characteristics, not_measurable=(), ids=None):
     kept.add(np.arange(len(level)), level, np.ones(level.shape, dtype=bool))
     cover = choose_viewpoints(kept)
     best = BestRows.of(values, np.arange(len(level)))
+    names = tuple(ids[k] if ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1))
     return compose_plan(
-        rows(values, cover.chosen),
-        poses[list(cover.chosen)],
-        [ids[k] if ids else f"S{n}" for n, k in enumerate(cover.chosen, start=1)],
-        {j: (best, j) for j in range(len(characteristics))},
+        ChosenViewpoints(rows(values, cover.chosen), poses[list(cover.chosen)], names),
         characteristics,
         not_measurable,
         REQUIRED,
-        lower_bound=cover.lower_bound,
-        candidate_count=len(poses),
-        seed=3,
+        NotMetFindings({j: (best, j) for j in range(len(characteristics))}),
+        PlanRecord(lower_bound=cover.lower_bound, candidate_count=len(poses), seed=3),
     )
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from planning_strategies import acceptances, level_tables
 
 from viewgauge.planning import minimum_cover, most_probable_minimum_cover
-from viewgauge.planning.cover.minimum_cover import minimum_cover as cover_module
+from viewgauge.planning.cover import minimum_cover as cover_module
 
 
 def covers(accepted, chosen) -> bool:

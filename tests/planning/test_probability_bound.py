@@ -79,7 +79,8 @@ def test_five_parameters_give_the_errors_of_the_model(seed, covariance, camera):
     half = rng.normal(size=3)
     half *= rng.uniform(5, 60) / np.linalg.norm(half)
     (start, end), parameters = way_to_lie(middle - half, middle + half)
-    search = _Search((2 * np.linalg.norm(half),) * 2, 0.01, anything(), camera, error, LIMITS, False)
+    setup = Setup(camera, error, Requirement("accuracy", 0.99, 0.95), LIMITS)
+    search = _Search((2 * np.linalg.norm(half),) * 2, 0.01, anything(), setup, rims=False)
     box, out, axis = np.repeat(np.array(parameters)[None, :, None], 2, axis=2), np.empty((1, OUT)), np.empty(1, int)
     box_bounds(box, *search._length, search._R, search._view, out, axis)
     image = image_segment(start, end, camera, error)
@@ -141,7 +142,7 @@ def climb(region, measured, allowed_mm, camera, error, seed):
         eyes[moved] += rng.normal(size=eyes[moved].shape) * step
         aims[moved] += rng.normal(size=eyes[moved].shape) * step / 3
         rolls[moved] += rng.normal(size=rolls[moved].shape) * step / 60
-        inside = region.allowed(eyes)
+        inside = region.holds(eyes)
         eyes, aims, rolls = eyes[inside], aims[inside], rolls[inside]
         step *= 0.75
     return best
@@ -199,8 +200,8 @@ class Narrow(Shell):
     def __init__(self, near, far):
         super().__init__(near, far, above=0.0)
 
-    def allowed(self, points):
-        return super().allowed(points) & (np.hypot(points[:, 0], points[:, 1]) <= 0.035 * points[:, 2])
+    def holds(self, points):
+        return super().holds(points) & (np.hypot(points[:, 0], points[:, 1]) <= 0.035 * points[:, 2])
 
     def possible(self, low, high):
         nearest = np.hypot(*np.clip(0.0, low[:, :2], high[:, :2]).T)
@@ -237,7 +238,7 @@ def test_no_eye_nearly_in_line_with_the_measurand_exceeds_the_bound():
     z = rng.uniform(300, 400, 10_000)
     turn, tilt = rng.uniform(0, 2 * np.pi, len(z)), 0.035 * np.sqrt(rng.uniform(0, 1, len(z)))
     eyes = np.column_stack([z * tilt * np.cos(turn), z * tilt * np.sin(turn), z])
-    eyes = eyes[region.allowed(eyes)]
+    eyes = eyes[region.holds(eyes)]
     poses = look_at(eyes, rng.normal(size=eyes.shape) * 40, rng.uniform(0, np.pi, len(eyes)))
     reached = probabilities(poses, measured, 0.06, CAMERA, POSE_ERROR, limits)
     assert 0 < reached.max() <= bound.upper

@@ -38,7 +38,8 @@ class InBox:
 
     corners: np.ndarray
 
-    def allowed(self, points):
+    def allows(self, T_part_camera):
+        points = T_part_camera[:, :3, 3]
         return ((points >= self.corners[0]) & (points <= self.corners[1])).all(axis=1)
 
 
@@ -116,7 +117,7 @@ def test_no_grid_needs_fewer_viewpoints():
 def test_the_refined_is_never_worse_and_stays_in_the_region():
     starts = grid_of_poses(55.0, [0.0], [0.0, 0.8])
     before, chosen, _, reported, judge = refined(APART, 0.045, starts)
-    assert InBox(BOX).allowed(chosen.T_part_camera[:, :3, 3]).all()
+    assert InBox(BOX).allows(chosen.T_part_camera).all()
     assert len(chosen) <= len(before)
     assert set(before.reached(REQUIRED)) <= set(chosen.reached(REQUIRED))
     assert np.allclose(judge.probabilities(chosen.T_part_camera), chosen.probability, atol=1e-12)

@@ -69,8 +69,8 @@ def test_distances_at_which_a_probability_is_excluded_part_viewpoints():
     large = characteristic("large", measurand((-150, 0, 0), (150, 0, 0), [[0, 0, 1]]))
 
     class Above(Shell):
-        def allowed(self, points):
-            return super().allowed(points) & (np.hypot(points[:, 0], points[:, 1]) <= 0.2 * points[:, 2])
+        def holds(self, points):
+            return super().holds(points) & (np.hypot(points[:, 0], points[:, 1]) <= 0.2 * points[:, 2])
 
         def possible(self, low, high):
             nearest = np.hypot(*np.clip(0.0, low[:, :2], high[:, :2]).T)

@@ -22,6 +22,7 @@ from ..part.characteristic import rim_axes
 from ..part.measurand_table import MeasurandTable
 from ..planning import CandidateGrid, Undominated, probability_levels
 from ..planning.inspection import ExplicitViewpoints, Inspection
+from ..planning.region import Workpiece
 
 if TYPE_CHECKING:
     from ..simulation import FullModelEstimates
@@ -154,27 +155,24 @@ def candidate_grid(inspection: Inspection, characteristics: Sequence[Characteris
 
 
 def reachable(inspection: Inspection, characteristics: Sequence[Characteristic]) -> ExplicitViewpoints:
-    """The explicit viewpoints that stand where box, hemisphere, forbidden boxes and standoff allow it.
+    """The explicit viewpoints that the stated members of the allowed region allow.
 
     Distance and cone say how viewpoints are sampled; given ones are not asked for them.
     """
     viewpoints, options = inspection.viewpoints, inspection.candidates
     assert viewpoints is not None  # the caller's condition
-    if not options.bounded:
+    if not options.regions:
         return viewpoints
     ends = MeasurandTable.of(characteristics).points.reshape(-1, 3)
-    region = options.region((ends.min(axis=0) + ends.max(axis=0))[None] / 2, (0.0, np.inf), inspection.part.mesh)
-    eyes = viewpoints.T_part_camera[:, :3, 3]
-    stays = region.in_reach(eyes)
-    if options.standoff_mm is not None:
-        stays &= ~region.too_near(eyes)
+    workpiece = Workpiece(inspection.part.mesh, (ends.min(axis=0) + ends.max(axis=0)) / 2)
+    stays = options.stated_region(workpiece).allows(viewpoints.T_part_camera)
+    outside = " or ".join(dict.fromkeys(member.outside for member in options.regions))
     if not stays.any():
         raise NoCandidateError(
-            f"no candidate viewpoint is left: all {len(viewpoints)} of the viewpoints file stand where the box, the "
-            "hemisphere, a forbidden box or the standoff of candidates does not allow it"
+            f"no candidate viewpoint is left: every one of the {len(viewpoints)} viewpoints of the file is {outside}"
         )
     if not stays.all():
-        _log.info("%d of %d explicit viewpoints stand where candidates does not allow it", (~stays).sum(), len(stays))
+        _log.info("%d of %d explicit viewpoints are left out: %s", (~stays).sum(), len(stays), outside)
     rows = np.flatnonzero(stays)
     return ExplicitViewpoints(tuple(viewpoints.ids[k] for k in rows), viewpoints.T_part_camera[rows])
 

@@ -3,7 +3,6 @@
 from .candidates.candidate_grid import CandidateGrid, default_distance_range, spread_directions
 from .candidates.candidate_options import CandidateOptions
 from .compose import (
-    Averaged,
     assigned_viewpoint,
     choose_viewpoints,
     compose_plan,
@@ -13,7 +12,8 @@ from .compose import (
 from .cover.dominance import Undominated, probability_levels
 from .cover.minimum_cover import Cover, minimum_cover, most_probable_minimum_cover
 from .cover.viewpoint_pool import ViewpointPool
-from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint
+from .findings import Averaged, ChosenViewpoints, NotMetFindings, PlanRecord
+from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Status
 from .refine.refinement import Refinement, RefinementStep, Refiner
 
 __all__ = [
@@ -21,13 +21,17 @@ __all__ = [
     "Averaged",
     "CandidateGrid",
     "CandidateOptions",
+    "ChosenViewpoints",
     "Cover",
+    "NotMetFindings",
     "Plan",
+    "PlanRecord",
     "PlannedCharacteristic",
     "PlannedViewpoint",
     "Refinement",
     "RefinementStep",
     "Refiner",
+    "Status",
     "Undominated",
     "ViewpointPool",
     "assigned_viewpoint",

@@ -2,45 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation import WARNINGS, BestRows, Requirement, TableBlock
 from ..part import Characteristic, NotMeasurable
-from .bounds import Certificate, ViewpointsBound
 from .cause import limiting_cause, proof_sentence
 from .cover.dominance import Undominated
 from .cover.minimum_cover import DEFAULT_TIME_LIMIT_S, Cover, most_probable_minimum_cover
-from .cover.travel import shortest_tour
-from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint
-from .refine.refinement import Refinement
+from .findings import Averaged, ChosenViewpoints, NotMetFindings, PlanRecord
+from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Status
 
 __all__ = [
-    "Averaged",
     "assigned_viewpoint",
     "choose_viewpoints",
     "compose_plan",
     "planned_not_measurable",
     "without_allowed_error",
 ]
-
-
-@dataclass(frozen=True)
-class Averaged:
-    """A characteristic that the mean of k acquisitions meets: the rows of their viewpoints, and ``(k, 2, 3)`` mm what
-    is measured.
-
-    The probability and the expected accuracy are the mean's.
-    """
-
-    rows: tuple[int, ...]
-    measurands: NDArray[np.float64]
-    probability: float
-    expected_accuracy: float
-    single_probability: float
 
 
 def without_allowed_error(
@@ -79,8 +61,8 @@ def choose_viewpoints(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMI
 
 
 def assigned_viewpoint(table: TableBlock, required: float) -> NDArray[np.int64]:
-    """For each characteristic the most probable (then most accurate, then first) of K viewpoints, -1 where none is sure
-    enough.
+    """For each characteristic the most probable (then most accurate, then first) of K viewpoints, -1 where none reaches
+    the required probability.
 
     Parameters
     ----------
@@ -93,102 +75,76 @@ def assigned_viewpoint(table: TableBlock, required: float) -> NDArray[np.int64]:
 
 
 def compose_plan(
-    table: TableBlock,
-    T_part_camera: NDArray[np.float64],
-    names: Sequence[str],
-    best: Mapping[int, tuple[BestRows, int]],
+    chosen: ChosenViewpoints,
     characteristics: Sequence[Characteristic],
     not_measurable: Sequence[NotMeasurable],
     requirement: Requirement,
-    *,
-    lower_bound: int,
-    candidate_count: int,
-    seed: int,
-    fixed_names: bool = False,
-    poses_of_best: Mapping[int, NDArray[np.float64]] | None = None,
-    averaged: Mapping[int, Averaged] | None = None,
-    certificates: Mapping[int, Certificate] | None = None,
-    refinement: Refinement | None = None,
-    anywhere: ViewpointsBound | None = None,
-    interrupted: bool = False,
+    findings: NotMetFindings,
+    record: PlanRecord,
 ) -> Plan:
-    """The plan of K chosen viewpoints.
+    """The plan of the chosen viewpoints, put in the order of the shortest tour through them.
 
     Parameters
     ----------
-    table
-        ``(K, d)``: of the chosen viewpoints and all characteristics.
-    T_part_camera, names
-        ``(K, 4, 4)`` mm, and K names; they are put in the order of the shortest tour through the viewpoints.
-    fixed_names
-        A name goes with its viewpoint; else they are given in the order of the tour.
-    best
-        For each characteristic that no viewpoint meets the best rows of all viewpoints tried, and its place in them.
-    poses_of_best
-        ``(4, 4)`` mm: of these characteristics the pose that the best row belongs to.
-    averaged, certificates
-        Of these characteristics those that the mean of several viewpoints meets, and what is proven of the others.
-    unusable
+    characteristics
+        All d of them; each is met by a chosen viewpoint, or has an entry in ``findings.best``.
+    not_measurable
         What cannot be measured, for the record.
     """
-    order = list(shortest_tour(T_part_camera[:, :3, 3])[0])
-    place = {row: n for n, row in enumerate(order)}
-    table = TableBlock(*(getattr(table, f.name)[order] for f in fields(table)))
-    T_part_camera, names = T_part_camera[order], [names[k] for k in order] if fixed_names else names
-    viewpoint = assigned_viewpoint(table, requirement.probability)
-    observes: list[list[str]] = [[] for _ in names]
+    chosen, place = chosen.toured()
+    viewpoint = assigned_viewpoint(chosen.table, requirement.probability)
+    observes: list[list[str]] = [[] for _ in chosen.names]
     planned = []
     for j, characteristic in enumerate(characteristics):
-        acquisitions = (averaged or {}).get(j)
-        if viewpoint[j] >= 0:
-            observes[viewpoint[j]].append(characteristic.id)
-            chosen = TableBlock(*(getattr(table, f.name)[viewpoint[j]] for f in fields(table)))
-            entry = _planned(chosen, j, characteristic, requirement, names[viewpoint[j]], "")
-            planned.append(replace(entry, T_part_camera=T_part_camera[viewpoint[j]]))
+        k = int(viewpoint[j])
+        if k >= 0:
+            observes[k].append(characteristic.id)
+            row = TableBlock(*(getattr(chosen.table, f.name)[k] for f in fields(chosen.table)))
+            entry = _planned(row, j, characteristic, requirement, chosen.names[k], "")
+            planned.append(replace(entry, T_part_camera=chosen.T_part_camera[k]))
             continue
-        rows, at = best[j]
+        rows, at = findings.best[j]
         entry = _planned(rows.values, at, characteristic, requirement, None, limiting_cause(rows, at))
-        if acquisitions is not None:
-            seen = [place[row] for row in acquisitions.rows]
+        if (mean := findings.averaged.get(j)) is not None:
+            seen = [place[row] for row in mean.rows]
             for k in seen:
                 observes[k].append(characteristic.id)
-            in_order = sorted(zip(seen, acquisitions.measurands, strict=True), key=lambda acquisition: acquisition[0])
-            planned.append(
-                _averaged(entry, acquisitions, tuple(Acquisition(names[k], measurand) for k, measurand in in_order))
-            )
+            in_order = sorted(zip(seen, mean.measurands, strict=True), key=lambda acquisition: acquisition[0])
+            acquisitions = tuple(Acquisition(chosen.names[k], measurand) for k, measurand in in_order)
+            planned.append(_averaged(entry, mean, acquisitions))
         else:
-            pose, certificate = (poses_of_best or {}).get(j), (certificates or {}).get(j)
-            proof = proof_sentence(certificate, candidate_count, given=fixed_names)
+            certificate = findings.certificates.get(j)
+            proof = proof_sentence(certificate, record.candidate_count, given=chosen.names_stay)
+            pose = findings.T_part_camera.get(j)
             planned.append(replace(entry, T_part_camera=pose, certificate=certificate, proof=proof))
+    viewpoints = zip(chosen.names, chosen.T_part_camera, observes, strict=True)
     return Plan(
-        seed=seed,
-        viewpoints=tuple(
-            PlannedViewpoint(name, T, tuple(seen)) for name, T, seen in zip(names, T_part_camera, observes, strict=True)
-        ),
+        seed=record.seed,
+        viewpoints=tuple(PlannedViewpoint(name, T, tuple(seen)) for name, T, seen in viewpoints),
         characteristics=(*planned, *planned_not_measurable(not_measurable)),
-        lower_bound=lower_bound,
-        candidate_count=candidate_count,
-        refinement=refinement,
-        anywhere=anywhere,
-        interrupted=interrupted,
+        lower_bound=record.lower_bound,
+        candidate_count=record.candidate_count,
+        refinement=record.refinement,
+        anywhere=record.anywhere,
+        interrupted=record.interrupted,
     )
 
 
 def _averaged(
-    entry: PlannedCharacteristic, acquisitions: Averaged, of_acquisitions: tuple[Acquisition, ...]
+    entry: PlannedCharacteristic, mean: Averaged, acquisitions: tuple[Acquisition, ...]
 ) -> PlannedCharacteristic:
     """The entry of a characteristic that the mean of acquisitions meets."""
     return replace(
         entry,
-        status="met",
-        probability=acquisitions.probability,
-        expected_accuracy=acquisitions.expected_accuracy,
-        viewpoint=of_acquisitions[0].viewpoint,
-        measurand=of_acquisitions[0].measurand,
+        status=Status.MET,
+        probability=mean.probability,
+        expected_accuracy=mean.expected_accuracy,
+        viewpoint=acquisitions[0].viewpoint,
+        measurand=acquisitions[0].measurand,
         limit="",
         warning="",
-        acquisitions=of_acquisitions,
-        single_probability=acquisitions.single_probability,
+        acquisitions=acquisitions,
+        single_probability=mean.single_probability,
     )
 
 
@@ -205,7 +161,7 @@ def _planned(
         nominal_mm=characteristic.nominal_mm,
         tolerance_mm=characteristic.tolerance_mm,
         allowed_error_mm=float("nan") if allowed is None else allowed,
-        status="not_met" if viewpoint is None else "met",
+        status=Status.NOT_MET if viewpoint is None else Status.MET,
         probability=float(row.probability[j]) if seen else 0.0,
         expected_accuracy=float(row.expected_accuracy[j]) if seen else 0.0,
         viewpoint=viewpoint,
@@ -224,7 +180,7 @@ def planned_not_measurable(not_measurable: Sequence[NotMeasurable]) -> list[Plan
             nominal_mm=entry.nominal_mm,
             tolerance_mm=entry.tolerance_mm,
             allowed_error_mm=float("nan"),
-            status="not_measurable",
+            status=Status.NOT_MEASURABLE,
             probability=0.0,
             expected_accuracy=0.0,
             viewpoint=None,

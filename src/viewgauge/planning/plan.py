@@ -1,9 +1,9 @@
-"""The plan: which viewpoints, what each measures, how surely, and what is proven."""
+"""The plan: which viewpoints, what each measures and with which probability, and what is proven."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,16 @@ from .refine.refinement import Refinement
 
 __all__ = ["Acquisition", "Plan", "PlannedCharacteristic", "PlannedViewpoint", "Status"]
 
-Status = Literal["met", "not_met", "not_measurable"]
+
+class Status(StrEnum):
+    """What becomes of a characteristic in a plan; the values are those of ``plan.json``."""
+
+    MET = "met"
+    """Some planned viewpoint, or the mean of several, reaches the required probability."""
+    NOT_MET = "not_met"
+    """No viewpoint that was tried reaches the required probability."""
+    NOT_MEASURABLE = "not_measurable"
+    """No measurand could be made, or it has no tolerance where the requirement needs one."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +53,6 @@ class PlannedCharacteristic:
     ----------
     nominal_mm, tolerance_mm
         In mm, but rad where ``kind`` is "angle" (which is never measurable).
-    status
-        "met"; "not met" (no viewpoint that was tried reaches the required probability); "not_measurable" (no measurand
-        could be made, or it has no tolerance where the requirement needs one).
     allowed_error_mm
         Largest error that the requirement allows, mm; NaN where undefined.
     probability, expected_accuracy
@@ -65,7 +71,7 @@ class PlannedCharacteristic:
         ``(4, 4)`` mm: the pose that ``probability`` belongs to; None where no measurand was visible, or with
         ``acquisitions``.
     acquisitions
-        The viewpoints whose values are averaged, if no single one is sure enough; else none.
+        The viewpoints whose values are averaged, if no single one reaches the required probability; else none.
     single_probability
         Of the best single acquisition, where there are ``acquisitions``.
     certificate
@@ -92,6 +98,9 @@ class PlannedCharacteristic:
     certificate: Certificate | None = None
     proof: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "status", Status(self.status))  # a plan that is read has the plain value
+
 
 @dataclass(frozen=True)
 class Plan(Drawable):
@@ -105,10 +114,10 @@ class Plan(Drawable):
     refinement
         What refining changed; None where nothing was refined.
     anywhere
-        Least number of viewpoints that measure those characteristics wherever in the region they stand; None where that
+        Least number of viewpoints that measure those characteristics wherever in the region they are; None where that
         was not asked.
     interrupted
-        Somebody ended a step: the plan is the best so far.
+        A step was interrupted: the plan is the best so far.
     """
 
     seed: int
@@ -143,4 +152,4 @@ class Plan(Drawable):
     @property
     def all_met(self) -> bool:
         """Every characteristic is met."""
-        return all(characteristic.status == "met" for characteristic in self.characteristics)
+        return all(characteristic.status == Status.MET for characteristic in self.characteristics)

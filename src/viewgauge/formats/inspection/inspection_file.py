@@ -25,13 +25,11 @@ from ..files.problems import KeyPath
 from ..poses.covariance_file import CovarianceFile, read_covariance
 from .camera_section import CalibratedCameraSection, CameraSection, EdgeDetectorSection, UncertaintySection
 from .inspection_text import InspectionText, read_inspection_text
-from .region_section import BoxSection, HemisphereSection
+from .region_section import read_options
 from .requirement_section import read_requirement
 from .sections import (
     AveragingSection,
-    CandidatesSection,
     CharacteristicSection,
-    ConeSection,
     ErrorSection,
     FrameSection,
     InspectionSections,
@@ -75,7 +73,6 @@ class CharacteristicEntry:
         return self.ends_mm is None
 
 
-_Place = TypeVar("_Place", BoxSection, HemisphereSection)
 _File = TypeVar("_File", CameraFile, CovarianceFile)
 _Apart = TypeVar("_Apart", UncertaintySection, EdgeDetectorSection)
 
@@ -150,13 +147,13 @@ class _Reader:
         characteristics = self._characteristics()
         camera, requirement = self._camera(), self._requirement()
         pose_error = self._pose_error(None if requirement is None else requirement.probability)
-        candidates = validate(CandidatesSection, self._section("candidates"), ("candidates",), self.problems)
-        options = self._options(candidates)
+        candidates = read_options(self._section("candidates"), self.problems)
         limits, averaged_viewpoints = self._limits(), self._averaged_viewpoints()
         self.problems.raise_if_any()
         # nothing is None now: each would have left a problem
         assert top and part and camera and pose_error and requirement and candidates  # noqa: PT018
-        assert options and limits and averaged_viewpoints  # noqa: PT018
+        assert limits and averaged_viewpoints  # noqa: PT018
+        section, options = candidates
         stated = cast(dict[str, Any], self.sections["pose_uncertainty"])
         return InspectionFile(
             path=self.path,
@@ -167,7 +164,7 @@ class _Reader:
             pose_error=pose_error,
             requirement=requirement,
             candidates=options,
-            viewpoints_file=self._path(candidates.viewpoints, "candidates.viewpoints"),
+            viewpoints_file=self._path(section.viewpoints, "candidates.viewpoints"),
             covariance_file=self._path(stated.get("covariance"), "pose_uncertainty.covariance"),
             limits=limits,
             seed=top.seed,
@@ -239,30 +236,6 @@ class _Reader:
     def _limits(self) -> ObservationLimits | None:
         section = validate(ObservationSection, self._section("observation"), ("observation",), self.problems)
         return build(section.build, ("observation",), self.problems) if section else None
-
-    def _options(self, section: CandidatesSection | None) -> CandidateOptions | None:
-        cone = None
-        if (value := self._below("candidates", "cone")) is not None:
-            cone = validate(ConeSection, value, ("candidates", "cone"), self.problems)
-        box = self._place(BoxSection, self._below("candidates", "box"), "box")
-        hemisphere = self._place(HemisphereSection, self._below("candidates", "hemisphere"), "hemisphere")
-        listed = self._below("candidates", "forbidden")
-        boxes = [
-            self._place(BoxSection, value, "forbidden", k)
-            for k, value in enumerate(listed if isinstance(listed, list) else ())
-        ]
-        if section is None:
-            return None
-        forbidden = tuple(place for place in boxes if place is not None)
-        places = {"box": box, "hemisphere": hemisphere, "forbidden": forbidden}
-        return build(partial(section.build, **places), ("candidates",), self.problems, cone)
-
-    def _place(self, section: type[_Place], value: object, *where: str | int) -> Any:
-        """What a section of places stands for; None where there is none, or a problem was noted."""
-        if value is None and len(where) == 1:
-            return None
-        found = validate(section, value, ("candidates", *where), self.problems)
-        return None if found is None else found.build()
 
     def _characteristics(self) -> tuple[CharacteristicEntry, ...]:
         values = self._below("part", "characteristics")

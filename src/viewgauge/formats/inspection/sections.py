@@ -15,6 +15,7 @@ from ...exceptions import InputError
 from ...geometry import PoseError, pose_from_quaternion
 from ...part.characteristic import Observed
 from ...planning.candidates.candidate_options import CandidateOptions
+from ...planning.region import RegionMember
 from ...visibility.limits import ObservationLimits
 from ..files.units import ANGLE, LENGTH, PIXELS, RATIO, Kind, Sign, parse_quantities, parse_quantity
 
@@ -29,6 +30,7 @@ __all__ = [
     "FrameSection",
     "InspectionSections",
     "Length",
+    "LengthOrZero",
     "Name",
     "ObservationSection",
     "PartSection",
@@ -322,7 +324,10 @@ class ConeSection(Section):
 
 
 class CandidatesSection(Section):
-    """Where the camera may stand; cone, box, hemisphere and forbidden boxes are read apart."""
+    """How candidate viewpoints are sampled; the cone and the members of the allowed region are read apart.
+
+    The keys of the allowed region are added by :func:`~viewgauge.formats.inspection.region_section.candidates_section`.
+    """
 
     distance: DistanceRange | None = None
     distances: Count | None = None
@@ -330,28 +335,17 @@ class CandidatesSection(Section):
     rolls: Count | None = None
     targets: CountOrZero | None = None
     cone: Any = None
-    box: Any = None
-    hemisphere: Any = None
-    forbidden: list[Any] | None = None
-    standoff: LengthOrZero | None = None
     viewpoints: Name | None = None
 
-    def build(self, cone: ConeSection | None, **places: Any) -> CandidateOptions:
-        """The options, with the defaults for what is not given; raises InputError.
-
-        Parameters
-        ----------
-        places
-            ``box``, ``hemisphere`` and ``forbidden`` of the options.
-        """
+    def build(self, cone: ConeSection | None, regions: tuple[RegionMember, ...]) -> CandidateOptions:
+        """The options, with the defaults for what is not given; raises InputError."""
         given: dict[str, Any] = {
             "distance_mm": self.distance,
             "distances": self.distances,
             "directions": self.directions,
             "rolls": self.rolls,
             "targets": self.targets,
-            "standoff_mm": self.standoff,
-            **places,
+            "regions": regions,
         }
         if self.distance is not None and self.distance[0] == self.distance[1]:
             given["distances"] = 1

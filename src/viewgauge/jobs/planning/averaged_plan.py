@@ -1,6 +1,4 @@
-"""To an arrangement of viewpoints those that come to it where characteristics may be averaged from several
-viewpoints.
-"""
+"""Viewpoints that are added to an arrangement so that characteristics are averaged from several of them."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from ...evaluation import TableBlock
 from ...execution.chunks import EvaluationJob, ViewpointSource, evaluator_of
 from ...planning import Averaged, assigned_viewpoint
 from ...planning.averaging.shortlist import AcquisitionShortlist
-from .averaging_search import CharacteristicByAcquisitions, add_acquisitions
+from .averaging_search import AveragedCharacteristic, add_acquisitions
 from .refine import Arrangement
 
 __all__ = ["averaged"]
@@ -28,12 +26,11 @@ def averaged(
     most: int,
     seed: int,
 ) -> tuple[Arrangement, dict[int, Averaged], NDArray[np.int64]]:
-    """Characteristics that the mean of 2 to ``most`` acquisitions meets, and the viewpoints that come to those of the
-    arrangement.
+    """Characteristics that the mean of 2 to ``most`` acquisitions meets, and the viewpoints that are added for them.
 
     Parameters
     ----------
-    not met, shortlist
+    not_met, shortlist
         Characteristics that no candidate meets, and of them, in this order, the viewpoints worth averaging from.
 
     Returns
@@ -46,8 +43,8 @@ def averaged(
     asked = [not_met[place] for place in still]
     count, first = len(arrangement.T_part_camera), len(job.source)
     source = _Extended(job.source, arrangement.T_part_camera)
-    looked = replace(job, characteristics=tuple(job.characteristics[j] for j in asked), source=source)
-    added = add_acquisitions(looked, shortlist.of_characteristics(still), range(first, first + count), most, seed)
+    asked_job = replace(job, characteristics=tuple(job.characteristics[j] for j in asked), source=source)
+    added = add_acquisitions(asked_job, shortlist.of_characteristics(still), range(first, first + count), most, seed)
     poses = np.array([source.poses(k, k + 1)[0] for k in added.viewpoints.tolist()]).reshape(-1, 4, 4)
     if len(poses):
         more = evaluator_of(job).table(poses)
@@ -60,11 +57,11 @@ def averaged(
     found = {}
     for entry in added.characteristics:
         rows, at = arrangement.best[asked[entry.characteristic]]
-        found[asked[entry.characteristic]] = _of(entry, looked, float(rows.values.probability[at]))
+        found[asked[entry.characteristic]] = _of(entry, asked_job, float(rows.values.probability[at]))
     return arrangement, found, added.viewpoints
 
 
-def _of(entry: CharacteristicByAcquisitions, job: EvaluationJob, refined_probability: float) -> Averaged:
+def _of(entry: AveragedCharacteristic, job: EvaluationJob, refined_probability: float) -> Averaged:
     length = job.characteristics[entry.characteristic].nominal_mm
     # mean of |error|, as of a normal law, which a mean of acquisitions is near to
     accuracy = 1 - np.sqrt(2 / np.pi) * entry.deviation_mm / length

@@ -13,16 +13,16 @@ from ...execution.chunks import Chunk, EvaluationJob, evaluator_of
 from ...geometry import invert, transform
 from ...part.characteristic import rim_axes
 from ...planning.averaging.acquisition_search import AcquisitionCandidates
-from ...planning.averaging.averaged_viewpoints import LookedCharacteristic, plan_acquisitions
+from ...planning.averaging.averaged_viewpoints import ChosenAcquisitions, plan_acquisitions
 from ...planning.averaging.shortlist import AcquisitionShortlist, acquisition_scores
 
-__all__ = ["AddedAcquisitions", "CharacteristicByAcquisitions", "acquisitions_chunk", "add_acquisitions"]
+__all__ = ["AddedAcquisitions", "AveragedCharacteristic", "acquisitions_chunk", "add_acquisitions"]
 
 _DRAWS = 400_000  # of the full camera model for each averaged characteristic: its 99.9 % interval is ±1e-3 at 0.95
 
 
 @dataclass(frozen=True)
-class CharacteristicByAcquisitions:
+class AveragedCharacteristic:
     """A characteristic of a job that the mean of k acquisitions meets.
 
     Parameters
@@ -34,7 +34,7 @@ class CharacteristicByAcquisitions:
     measurands
         ``(k, 2, 3)`` mm, part frame: what is measured in each acquisition.
     probability
-        Of the mean; by the full camera model where that finds it less sure than the law does.
+        Of the mean; by the full camera model where that finds it less probable than the law does.
     probability_single
         Of the best single acquisition.
     deviation_mm
@@ -56,13 +56,13 @@ class AddedAcquisitions:
     Parameters
     ----------
     viewpoints
-        ``(m,)`` indices of the viewpoints that come to those of the plan, ascending.
+        ``(m,)`` indices of the viewpoints that are added to those of the plan, ascending.
     characteristics
         The characteristics that are met now.
     """
 
     viewpoints: NDArray[np.int64]
-    characteristics: tuple[CharacteristicByAcquisitions, ...]
+    characteristics: tuple[AveragedCharacteristic, ...]
 
 
 def acquisitions_chunk(job: EvaluationJob, chunk: Chunk) -> AcquisitionShortlist:
@@ -85,12 +85,12 @@ def add_acquisitions(
 
     The full camera model is asked about every mean that is chosen: averaging takes away what is drawn anew at each
     acquisition, but not what the small-error model leaves out. Where the law is above its 99.9 % interval, the full
-    camera model's estimate takes its place; if that is not sure enough, one acquisition more is tried.
+    camera model's estimate takes its place; if that misses the requirement, one acquisition more is tried.
 
     Parameters
     ----------
     job
-        With the characteristics that no single viewpoint meets, and a head whose common part is stated.
+        With the characteristics that no single viewpoint meets, and a pose error whose common part is stated.
     shortlist
         Of all viewpoints of the job's source, by :func:`acquisitions_chunk`.
     planned
@@ -98,16 +98,16 @@ def add_acquisitions(
     """
     candidates = _candidates(job, shortlist, planned)
     fewest: dict[int, int] = {}
-    exact: dict[tuple[int, tuple[int, ...]], float] = {}
+    confirmed: dict[tuple[int, tuple[int, ...]], float] = {}
     while True:  # each time round at least one characteristic is tried with more acquisitions
         found = plan_acquisitions(candidates, planned, most, job.setup.requirement.probability, fewest)
-        for looked in found:
-            if (looked.characteristic, looked.viewpoints) not in exact:
-                exact[looked.characteristic, looked.viewpoints] = _confirmed(job, looked, seed)
-        sure = {f.characteristic: exact[f.characteristic, f.viewpoints] for f in found}
-        refuted = [f for f in found if sure[f.characteristic] < job.setup.requirement.probability]
+        for chosen in found:
+            if (chosen.characteristic, chosen.viewpoints) not in confirmed:
+                confirmed[chosen.characteristic, chosen.viewpoints] = _confirmed(job, chosen, seed)
+        probability = {f.characteristic: confirmed[f.characteristic, f.viewpoints] for f in found}
+        refuted = [f for f in found if probability[f.characteristic] < job.setup.requirement.probability]
         if not refuted:
-            return _added(job, found, sure, planned)
+            return _added(job, found, probability, planned)
         fewest |= {f.characteristic: len(f.viewpoints) + 1 for f in refuted}
 
 
@@ -128,10 +128,8 @@ def _candidates(job: EvaluationJob, shortlist: AcquisitionShortlist, planned: Ar
         image = job.setup.camera.to_pixels(job.setup.camera.project(points))
         acquisitions = _acquisitions(job, poses[row], np.full(len(row), characteristic), measurand)
         own = np.append(shortlist.viewpoint[shortlist.characteristic == characteristic], planned)
-        good, step = (
-            np.isin(index[row], own),
-            0.0 if job.setup.camera.edge_detector else job.setup.camera.edge_resolution_px,
-        )
+        good = np.isin(index[row], own)
+        step = 0.0 if job.setup.camera.edge_detector else job.setup.camera.edge_resolution_px
         candidates.append(AcquisitionCandidates(index[row], measurand, acquisitions, image, step, allowed, good))
     return candidates
 
@@ -164,37 +162,37 @@ def _poses(job: EvaluationJob, viewpoints: Sequence[int]) -> NDArray[np.float64]
     return np.array([job.source.poses(k, k + 1)[0] for k in viewpoints]).reshape(-1, 4, 4)
 
 
-def _confirmed(job: EvaluationJob, looked: LookedCharacteristic, seed: int) -> float:
+def _confirmed(job: EvaluationJob, chosen: ChosenAcquisitions, seed: int) -> float:
     """The probability of a mean, after the full camera model was asked."""
     from ...simulation import estimate_averaged_probability
 
-    characteristic = np.full(len(looked.viewpoints), looked.characteristic)
-    poses = _poses(job, looked.viewpoints)
-    points = _seen(job, poses, characteristic, np.array(looked.measurands))
-    axes = rim_axes([job.characteristics[looked.characteristic].measurands[g] for g in looked.measurands], poses)
-    allowed = float(evaluator_of(job).allowed_error_mm[looked.characteristic])
+    characteristic = np.full(len(chosen.viewpoints), chosen.characteristic)
+    poses = _poses(job, chosen.viewpoints)
+    points = _seen(job, poses, characteristic, np.array(chosen.measurands))
+    axes = rim_axes([job.characteristics[chosen.characteristic].measurands[g] for g in chosen.measurands], poses)
+    allowed = float(evaluator_of(job).allowed_error_mm[chosen.characteristic])
     estimate = estimate_averaged_probability(
         points, job.setup.camera, job.setup.pose_error, allowed, draws=_DRAWS, rng=seed, rim_axis=axes
     )
-    return looked.probability if looked.probability <= estimate.high else estimate.probability
+    return chosen.probability if chosen.probability <= estimate.high else estimate.probability
 
 
 def _added(
-    job: EvaluationJob, found: Sequence[LookedCharacteristic], sure: dict[int, float], planned: Sequence[int]
+    job: EvaluationJob, found: Sequence[ChosenAcquisitions], probability: dict[int, float], planned: Sequence[int]
 ) -> AddedAcquisitions:
-    new = sorted({k for looked in found for k in looked.viewpoints}.difference(planned))
+    new = sorted({k for chosen in found for k in chosen.viewpoints}.difference(planned))
     place = {k: n for n, k in enumerate([*planned, *new])}
     return AddedAcquisitions(
         np.array(new, dtype=np.int64),
         tuple(
-            CharacteristicByAcquisitions(
-                looked.characteristic,
-                tuple(place[k] for k in looked.viewpoints),
-                _measurands(job, np.full(len(looked.measurands), looked.characteristic), np.array(looked.measurands)),
-                sure[looked.characteristic],
-                looked.probability_single,
-                looked.deviation_mm,
+            AveragedCharacteristic(
+                chosen.characteristic,
+                tuple(place[k] for k in chosen.viewpoints),
+                _measurands(job, np.full(len(chosen.measurands), chosen.characteristic), np.array(chosen.measurands)),
+                probability[chosen.characteristic],
+                chosen.probability_single,
+                chosen.deviation_mm,
             )
-            for looked in found
+            for chosen in found
         ),
     )

@@ -79,7 +79,7 @@ class CandidateSearch:
         """Of characteristics that are not met, in this order, the viewpoints from which a mean may be worth having."""
         job = replace(self._job, characteristics=tuple(self._job.characteristics[j] for j in not_met))
         whole: AcquisitionShortlist | None = None
-        what = f"Looking for viewpoints to average {len(not_met)} characteristics from"
+        what = f"Searching for viewpoints to average {len(not_met)} characteristics from"
         for entry in self._pass(what, acquisitions_chunk, job, AcquisitionShortlist.arrays):
             found = AcquisitionShortlist(**entry)
             whole = found if whole is None else whole.merged(found)

@@ -19,8 +19,7 @@ from ...planning.inspection import Inspection
 __all__ = ["Choice"]
 
 _MOST_AHEAD = 63
-"""Viewpoints of a characteristic that the full camera model is asked about beside the chosen one, at most, each time
-round.
+"""Viewpoints of a characteristic that the full camera model confirms beside the chosen one, at most, each time round.
 """
 
 
@@ -42,12 +41,12 @@ class Choice:
         self.kept = kept
         """The candidates to choose from, with the levels as they are known."""
         self.interrupted = False
-        """Somebody stopped the search: what was found so far was chosen."""
+        """The search was interrupted: what was found so far was chosen."""
         self.corrections = Corrections()
-        """What the full camera model said of pairs."""
+        """The probabilities of pairs that the full camera model corrected."""
 
     def made(self) -> tuple[Cover, TableBlock]:
-        """The cover, of indices of viewpoints, and the table of its viewpoints with what the full camera model said."""
+        """The cover, of indices of viewpoints, and the table of its viewpoints with the corrections."""
         ahead = 0
         while True:  # each time round at least one doubtful pair fewer
             with self._progress.stage("Choosing the fewest viewpoints"):
@@ -58,8 +57,7 @@ class Choice:
             if not len(characteristic):
                 return self._travelled(cover)
             with self._progress.stage("Confirming what the small-error model does not answer for"):
-                # where one is refuted the next choice would be as doubtful: ever more of the most probable are looked
-                # into
+                # where one is refuted the next choice would be as doubtful: ever more of the best are confirmed
                 self._confirm(np.append(index[row], self._next_in_line(characteristic, ahead)))
             ahead = min(2 * ahead + 1, _MOST_AHEAD)
 
@@ -71,7 +69,7 @@ class Choice:
             return choose_viewpoints(self.kept, 0.0, self._gap)
 
     def _travelled(self, cover: Cover) -> tuple[Cover, TableBlock]:
-        """Of covers as small and as sure one with a shorter tour, by pairs that are beyond doubt."""
+        """Of covers as small and as probable one with a shorter tour, by pairs that are beyond doubt."""
         kept = self.kept
         reached = kept.level.any(axis=0)
         level = np.where(kept.certain, kept.level, 0)
@@ -87,11 +85,11 @@ class Choice:
         return np.array([self._job.source.poses(k, k + 1)[0] for k in chosen]).reshape(-1, 4, 4)
 
     def _table(self, index: NDArray[np.int64]) -> TableBlock:
-        """The table of some viewpoints, ascending, with what the full camera model said."""
+        """The table of some viewpoints, ascending, with the corrections of the full camera model."""
         return self.corrections.applied(evaluator_of(self._job).table(self.poses(index.tolist())), index)
 
     def _doubtful(self, table: TableBlock, index: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """``(n, d)``: accepted pairs of viewpoints with a warning that nobody has looked into."""
+        """``(n, d)``: accepted pairs of viewpoints with a warning that are not confirmed yet."""
         doubtful = (table.validity > 0) & (table.probability >= self._inspection.requirement.probability)
         known = np.isin(self.corrections.viewpoint, index)
         row = np.searchsorted(index, self.corrections.viewpoint[known])
@@ -108,9 +106,7 @@ class Choice:
         return characteristic, row[characteristic]
 
     def _next_in_line(self, characteristics: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-        """Of each characteristic the most probable viewpoints that are not beyond doubt and not looked into, by
-        index.
-        """
+        """Indices of each characteristic's most probable viewpoints that are neither beyond doubt nor confirmed."""
         index, level = self.kept.index, self.kept.level
         found = [np.zeros(0, np.int64)]
         for j in characteristics:
@@ -121,7 +117,7 @@ class Choice:
 
     def _confirm(self, viewpoints: NDArray[np.int64]) -> None:
         """Ask the full camera model about doubtful pairs of viewpoints, and lower the levels of what it finds less
-        sure.
+        probable.
         """
         index = np.unique(viewpoints)
         table = self._table(index)

@@ -1,6 +1,4 @@
-"""What comes after the choice among the candidates: better viewpoints, several viewpoints, proofs, and the plan of
-them.
-"""
+"""The steps from the viewpoints that were chosen among the candidates to the plan: refinement, averaging, proofs."""
 
 from __future__ import annotations
 
@@ -14,7 +12,15 @@ from numpy.typing import NDArray
 from ...execution.chunks import EvaluationJob
 from ...execution.progress import Progress
 from ...part import NotMeasurable
-from ...planning import Averaged, CandidateGrid, Plan, compose_plan
+from ...planning import (
+    Averaged,
+    CandidateGrid,
+    ChosenViewpoints,
+    NotMetFindings,
+    Plan,
+    PlanRecord,
+    compose_plan,
+)
 from ...planning.averaging.shortlist import AcquisitionShortlist
 from ...planning.bounds import Certificate, ViewpointsBound
 from ...planning.inspection import ExplicitViewpoints, Inspection
@@ -23,18 +29,18 @@ from .choice import Choice
 from .prove import certificates, least_anywhere
 from .refine import Arrangement, refined
 
-__all__ = ["AfterChoice"]
+__all__ = ["PlanSteps"]
 
 _Result = TypeVar("_Result")
 
 
-class AfterChoice:
-    """The steps from the arrangement that was chosen to the plan. Ctrl-C ends one, and those after it are left out.
+class PlanSteps:
+    """The steps from the chosen arrangement to the plan. Ctrl-C ends one, and those after it are left out.
 
     Parameters
     ----------
     chosen
-        Of the job's source, by index: the viewpoints of the arrangement.
+        The viewpoints of the arrangement, as indices into the job's source.
     """
 
     def __init__(
@@ -54,7 +60,7 @@ class AfterChoice:
         self._certificates: dict[int, Certificate] = {}
 
     def refine(self, time_limit_s: float) -> None:
-        """Fewer viewpoints, and surer ones, over all poses of the region; explicit viewpoints stay as they are."""
+        """Refine sampled viewpoints over all poses of the region; explicit viewpoints stay as they are."""
         if isinstance(self._job.source, CandidateGrid):
             least = 1 if self._anywhere is None else self._anywhere.count
             step = partial(
@@ -66,10 +72,8 @@ class AfterChoice:
                 time_limit_s=time_limit_s,
                 least=least,
             )
-            before, self._arrangement = (
-                self._arrangement,
-                self._ended("Refining the viewpoints", step, self._arrangement),
-            )
+            before = self._arrangement
+            self._arrangement = self._ended("Refining the viewpoints", step, before)
             if self._anywhere is not None and len(self._arrangement.best) < len(before.best):
                 self.bound()  # more is measured now
 
@@ -80,7 +84,7 @@ class AfterChoice:
             self._anywhere = self._ended("Bounding the number of viewpoints over all poses", step, self._anywhere)
 
     def average(self, not_met: Sequence[int], shortlist: AcquisitionShortlist) -> None:
-        """Viewpoints to average from, for what no candidate meets; ``not_met`` are those of the shortlist, in its
+        """Add viewpoints to average from, for the characteristics ``not_met``, which are those of the shortlist, in its
         order.
         """
         none: tuple[Arrangement, dict[int, Averaged], NDArray[np.int64]]
@@ -100,26 +104,24 @@ class AfterChoice:
     def plan(self, not_measurable: Sequence[NotMeasurable]) -> Plan:
         """The plan; with what cannot be measured, for the record."""
         source, arrangement = self._job.source, self._arrangement
+        names = tuple(f"S{n}" for n in range(1, len(arrangement.T_part_camera) + 1))
         explicit = isinstance(source, ExplicitViewpoints)
-        names = [f"S{n}" for n in range(1, len(arrangement.T_part_camera) + 1)]
+        if isinstance(source, ExplicitViewpoints):
+            names = tuple(source.ids[k] for k in self._chosen)
         return compose_plan(
-            arrangement.table,
-            arrangement.T_part_camera,
-            [source.ids[k] for k in self._chosen] if isinstance(source, ExplicitViewpoints) else names,
-            arrangement.best,
+            ChosenViewpoints(arrangement.table, arrangement.T_part_camera, names, names_stay=explicit),
             self._job.characteristics,
             not_measurable,
             self._inspection.requirement,
-            lower_bound=arrangement.lower_bound,
-            candidate_count=len(source),
-            seed=self._inspection.seed,
-            fixed_names=explicit,
-            poses_of_best=self._poses_of_best(),
-            averaged=self._averaged,
-            certificates=self._certificates,
-            refinement=arrangement.refinement,
-            anywhere=self._anywhere,
-            interrupted=self._interrupted,
+            NotMetFindings(arrangement.best, self._poses_of_best(), self._averaged, self._certificates),
+            PlanRecord(
+                lower_bound=arrangement.lower_bound,
+                candidate_count=len(source),
+                seed=self._inspection.seed,
+                refinement=arrangement.refinement,
+                anywhere=self._anywhere,
+                interrupted=self._interrupted,
+            ),
         )
 
     def _poses_of_best(self) -> dict[int, NDArray[np.float64]]:

@@ -16,7 +16,7 @@ __all__ = ["certificates", "least_anywhere"]
 
 
 def least_anywhere(job: EvaluationJob, choice: Choice, arrangement: Arrangement) -> ViewpointsBound:
-    """How few viewpoints could measure what the arrangement does, wherever in the grid's region they stand."""
+    """How few viewpoints could measure what the arrangement does, wherever in the grid's region they are."""
     assert isinstance(job.source, CandidateGrid)  # the caller's condition
     required, table = job.setup.requirement.probability, arrangement.table
     count, met = len(arrangement.T_part_camera), assigned_viewpoint(table, required) >= 0

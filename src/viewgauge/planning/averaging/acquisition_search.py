@@ -1,8 +1,9 @@
-"""Sets of looks at one characteristic whose mean is sure enough.
+"""Sets of acquisitions of one characteristic whose mean meets the requirement.
 
-The search takes the variance of the mean for its measure, which the law follows closely, and the law decides. Pairs
-are looked through in full; larger sets grow from the best pairs by the acquisition that lowers the variance most, and
-are mended by exchanging one look at a time. That is a heuristic: that fewer acquisitions would not do is not proven.
+The search minimises the variance of the mean, which the probability follows closely; the probability decides. All
+pairs are compared; larger sets grow from the best pairs by the acquisition that lowers the variance most, and are
+improved by exchanging one acquisition at a time. That is a heuristic: that fewer acquisitions would not do is not
+proven.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ LEAST_SEPARATION_STEPS = 2.0
 """Quantization steps by which both ends must move in the image between two acquisitions whose quantization errors are
 to count as independent. Two acquisitions whose images coincide round alike. One step is where the ends are certain to
 lie in other cells of the pixel grid; the place in the cell, from which the error follows, is then another, and as good
-as even over the cell as soon as what moves the image between the two acquisitions, the repeatability, is half a step or
-more (docs: theory, several viewpoints). The other step is room for that."""
+as uniform over the cell as soon as what moves the image between the two acquisitions, the repeatability, is half a step
+or more (docs: theory, several viewpoints). The other step is room for that."""
 
 _STARTS = 16
 _EXCHANGES = 20  # rounds; each lowers the variance, a few are usual
 _HOPELESS = 1.5  # times the variance: the law's shape moves the limit by less for any probability of use
-_BLOCK = 256  # rows of the pairs that are looked at at once
+_BLOCK = 256  # rows of the pairs that are compared at once
 
 
 @dataclass(frozen=True)
 class AcquisitionCandidates:
-    """The n looks from which one characteristic may be measured.
+    """The n acquisitions from which one characteristic may be measured.
 
     Parameters
     ----------
@@ -64,12 +65,12 @@ class AcquisitionCandidates:
     good: NDArray[np.bool_]
 
     def probability(self, chosen: NDArray[np.int64] | Sequence[int]) -> NDArray[np.float64]:
-        """That the mean of some of the acquisitions, ``(..., k)``, is right."""
+        """Probability that the error of the mean of some of the acquisitions, ``(..., k)``, is allowed."""
         return self.acquisitions.mean_of(chosen).central_probability(self.allowed_error_mm)
 
 
 class AcquisitionSearch:
-    """Sets of looks at one characteristic."""
+    """Searches for sets of acquisitions of one characteristic."""
 
     def __init__(self, candidates: AcquisitionCandidates, required: float) -> None:
         self.candidates, self._required = candidates, required
@@ -81,7 +82,7 @@ class AcquisitionSearch:
         self.single_variance = np.asarray((self._common**2).sum(axis=1) + self._own)
         """``(n,)`` mm²: of each acquisition by itself."""
 
-    def sure(self, chosen: Sequence[int] | None) -> bool:
+    def meets(self, chosen: Sequence[int] | None) -> bool:
         """The mean of these meets the requirement."""
         return chosen is not None and float(self.candidates.probability(chosen)) >= self._required
 
@@ -90,7 +91,7 @@ class AcquisitionSearch:
         return set(self.candidates.viewpoint[list(chosen)].tolist())
 
     def among(self, viewpoints: Collection[int]) -> NDArray[np.bool_]:
-        """``(n,)``: the looks from some viewpoints."""
+        """``(n,)``: whether acquisitions are from some of these viewpoints."""
         return np.isin(self.candidates.viewpoint, list(viewpoints))
 
     def most_probable(self, k: int, among: NDArray[np.bool_]) -> tuple[int, ...] | None:
@@ -106,7 +107,7 @@ class AcquisitionSearch:
         favoured.
         """
         alone = self.most_probable(len(chosen), free)
-        if self.sure(alone):
+        if self.meets(alone):
             assert alone is not None
             return alone
         acquisitions = list(chosen)
@@ -116,7 +117,7 @@ class AcquisitionSearch:
                 continue
             others = np.flatnonzero(self._apart(np.array(rest), np.arange(len(self._own))).all(axis=0))
             sum_variance = self._variance(rest) + self._added_variance(rest)
-            # far more variance than that of what is chosen and sure: not worth a look at the law
+            # far more variance than that of the chosen, which meet the requirement: no probability need be computed
             others = others[
                 sum_variance[others] <= _HOPELESS * max(self._variance(acquisitions), self._limit(len(acquisitions)))
             ]
@@ -162,17 +163,17 @@ class AcquisitionSearch:
         return chosen
 
     def _best_addition(self, chosen: Sequence[int], among: NDArray[np.bool_]) -> int | None:
-        """The look that makes the mean's variance least; None where none is apart from all that are chosen."""
+        """The acquisition that makes the mean's variance least; None where none is apart from all that are chosen."""
         index = np.flatnonzero(among)
         index = index[self._apart(np.array(chosen), index).all(axis=0)]
         return int(index[np.argmin(self._added_variance(chosen)[index])]) if len(index) else None
 
     def _added_variance(self, chosen: Sequence[int]) -> NDArray[np.float64]:
-        """``(n,)``: by how much each further look would raise the variance of the sum of the chosen."""
+        """``(n,)``: by how much each further acquisition would raise the variance of the sum of the chosen."""
         return np.asarray(self.single_variance + 2 * self._common @ self._common[list(chosen)].sum(axis=0))
 
     def _limit(self, k: int) -> float:
-        """Variance of the sum of k looks at which a normal error would just meet the requirement."""
+        """Variance of the sum of k acquisitions at which a normal error would just meet the requirement."""
         return float((k * self.candidates.allowed_error_mm / ndtri((1 + self._required) / 2)) ** 2)
 
     def _variance(self, chosen: Sequence[int]) -> float:
@@ -181,7 +182,7 @@ class AcquisitionSearch:
         return float((self._common[held].sum(axis=0) ** 2).sum() + self._own[held].sum())
 
     def _apart(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """``(r, c)``: looks from two viewpoints whose images are far enough from each other at both ends."""
+        """``(r, c)``: acquisitions from two viewpoints whose images are far enough from each other at both ends."""
         image, viewpoint = self.candidates.image_px, self.candidates.viewpoint
         step = image[rows][:, None] - image[columns]
         moved = step[..., 0] ** 2 + step[..., 1] ** 2  # of both ends

@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 
 from .acquisition_search import AcquisitionCandidates, AcquisitionSearch
 
-__all__ = ["LookedCharacteristic", "plan_acquisitions"]
+__all__ = ["ChosenAcquisitions", "plan_acquisitions"]
 
 _Sets = dict[int, tuple[int, ...]]
 """For each characteristic the acquisitions that are averaged, by their place among its candidates."""
 
 
 @dataclass(frozen=True)
-class LookedCharacteristic:
-    """A characteristic that the mean of several viewpoints meets.
+class ChosenAcquisitions:
+    """The acquisitions whose mean meets a characteristic.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def plan_acquisitions(
     most: int,
     required: float,
     fewest: Mapping[int, int] | None = None,
-) -> tuple[LookedCharacteristic, ...]:
+) -> tuple[ChosenAcquisitions, ...]:
     """Of several characteristics those that the mean of 2 to ``most`` acquisitions meets, and by which acquisitions.
 
     Parameters
@@ -71,7 +71,7 @@ def plan_acquisitions(
     for j, search in searches.items():
         good = search.candidates.good
         counts = range(max(2, (fewest or {}).get(j, 2)), min(most, int(good.sum())) + 1)
-        chosen = next((s for k in counts if search.sure(s := search.most_probable(k, good))), None)
+        chosen = next((s for k in counts if search.meets(s := search.most_probable(k, good))), None)
         if chosen is not None:
             found[j] = chosen
     searches = {j: searches[j] for j in found}
@@ -80,11 +80,11 @@ def plan_acquisitions(
 
 
 def _few_viewpoints(searches: Mapping[int, AcquisitionSearch], found: _Sets, planned: set[int]) -> _Sets:
-    """The same characteristics by as many looks from fewer viewpoints.
+    """The same characteristics by as many acquisitions from fewer viewpoints.
 
     One characteristic after the other takes what others have taken; in one trial a new viewpoint is one that is good
-    for many characteristics, in the other the one that is best for its own. The end with fewer viewpoints is taken, or
-    the surer.
+    for many characteristics, in the other the one that is best for its own. The result with fewer viewpoints is taken;
+    of equally many, the one whose weakest characteristic is more probable.
     """
     worth = _worth(searches)
     ends = []
@@ -104,8 +104,9 @@ def _few_viewpoints(searches: Mapping[int, AcquisitionSearch], found: _Sets, pla
 
 
 def _worth(searches: Mapping[int, AcquisitionSearch]) -> dict[int, NDArray[np.float64]]:
-    """For each characteristic what the viewpoint of each acquisition is good for: summed over characteristics, least
-    variance over its.
+    """For each characteristic the worth of the viewpoint of each of its acquisitions.
+
+    The worth of a viewpoint is the sum, over the characteristics, of the least variance over the variance from there.
     """
     total: dict[int, float] = {}
     for search in searches.values():
@@ -116,7 +117,7 @@ def _worth(searches: Mapping[int, AcquisitionSearch]) -> dict[int, NDArray[np.fl
 
 
 def _without_needless(searches: Mapping[int, AcquisitionSearch], sets: _Sets, planned: set[int]) -> _Sets:
-    """Without new viewpoints, one by one, in whose place others that are there can step."""
+    """The same without new viewpoints that others can replace, tried one by one."""
     used = {j: searches[j].viewpoints(chosen) for j, chosen in sets.items()}
     users = {k: [j for j in used if k in used[j]] for k in sorted(_used(searches, sets) - planned)}
     for viewpoint in sorted(users, key=lambda k: (len(users[k]), k)):
@@ -125,7 +126,7 @@ def _without_needless(searches: Mapping[int, AcquisitionSearch], sets: _Sets, pl
         for j in sets:
             if viewpoint in searches[j].viewpoints(sets[j]):
                 other = searches[j].most_probable(len(sets[j]), searches[j].among(left))
-                if other is None or not searches[j].sure(other):
+                if other is None or not searches[j].meets(other):
                     break
                 instead[j] = other
         else:
@@ -148,9 +149,9 @@ def _used(searches: Mapping[int, AcquisitionSearch], sets: _Sets) -> set[int]:
     return set().union(*(searches[j].viewpoints(chosen) for j, chosen in sets.items()))
 
 
-def _result(characteristic: int, candidates: AcquisitionCandidates, chosen: Sequence[int]) -> LookedCharacteristic:
+def _result(characteristic: int, candidates: AcquisitionCandidates, chosen: Sequence[int]) -> ChosenAcquisitions:
     ordered = sorted(chosen, key=lambda i: int(candidates.viewpoint[i]))
-    return LookedCharacteristic(
+    return ChosenAcquisitions(
         characteristic,
         tuple(int(candidates.viewpoint[i]) for i in ordered),
         tuple(int(candidates.measurand[i]) for i in ordered),

@@ -14,12 +14,12 @@ from ...geometry.pose_error import covariance_factor
 __all__ = ["AcquisitionShortlist", "acquisition_scores"]
 
 _KEPT = 24
-"""Looks at a characteristic that are kept by each score."""
+"""Acquisitions of a characteristic that are kept by each score."""
 
 
 def acquisition_scores(acquisitions: Acquisitions) -> NDArray[np.float64]:
-    """``(n, 13)``: reasons to keep an acquisition; the higher, the better, and comparable between looks at one
-    characteristic.
+    """``(n, 13)``: reasons to keep an acquisition; the higher, the better, and comparable between acquisitions of
+    one characteristic.
 
     First the acquisition by itself: less its variance. Then what it can offset in a mean: the common part of its error
     along each principal axis of the common covariance, with either sign, over its variance.

@@ -2,7 +2,6 @@
 
 from .branch_and_bound import Bound, Budget
 from .certificate import Certificate, certify
-from .eye_region import EyeRegion
 from .viewpoints_bound import ViewpointsBound, viewpoints_lower_bound
 
-__all__ = ["Bound", "Budget", "Certificate", "EyeRegion", "ViewpointsBound", "certify", "viewpoints_lower_bound"]
+__all__ = ["Bound", "Budget", "Certificate", "ViewpointsBound", "certify", "viewpoints_lower_bound"]

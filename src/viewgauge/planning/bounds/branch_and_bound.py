@@ -33,9 +33,9 @@ class Budget:
     Parameters
     ----------
     boxes
-        Boxes looked into at most: about a million a second.
+        Boxes examined at most: about a million a second.
     tightness
-        A bound this near to a probability found is near enough.
+        A bound this near to a probability that was found is near enough.
     """
 
     boxes: int = 4_000_000
@@ -54,9 +54,9 @@ class Bound:
     upper
         No pose has more. Valid whenever the search ended.
     found
-        Highest probability met at a way to lie that no condition looked at excludes; 0 where none was met.
+        Highest probability met at a way to lie that no condition considered excludes; 0 where none was met.
     boxes
-        Number looked into.
+        Number of boxes examined.
     at
         The way to lie of ``found``: alpha, beta, phi, arc tangent of k, log of w (:mod:`box`); None where none.
     """
@@ -83,8 +83,8 @@ def probability_bound(
 ) -> Bound:
     """Upper bound of Pr{|error| <= T L} over all poses from which the ends have reachable distances.
 
-    Among the conditions of observability those on the image, its length and the focus count; that a face be turned to
-    the camera counts by ``reachable``; occlusion does not. Leaving conditions out only raises the bound.
+    Of the conditions of observability those on the image, its length and the focus count; that a face is turned to the
+    camera counts by ``reachable``; occlusion does not count. Leaving conditions out only raises the bound.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def probability_bound(
     if not search.possible:
         return Bound(0.0, 0.0, 0, None)
     dropped = 0.0  # highest bound of what was put aside as near enough
-    while len(search.boxes) and search.looked_into < budget.boxes:
+    while len(search.boxes) and search.examined < budget.boxes:
         if search.found >= target:
             break
         near = search.upper <= search.found + min(budget.tightness, (target - search.found) / 2)
@@ -111,7 +111,7 @@ def probability_bound(
         search.keep(~near)
         search.split(search.highest(_BATCH))
     upper = max(dropped, float(search.upper.max(initial=0.0)))
-    return Bound(min(upper, 1.0), search.found, search.looked_into, search.at)
+    return Bound(min(upper, 1.0), search.found, search.examined, search.at)
 
 
 def acceptable_distances(
@@ -132,7 +132,7 @@ def acceptable_distances(
         good = search.middle >= required
         accepted.mark_pairs(search.middle_distances[good])
         open_ = (search.upper >= required) & ~accepted.all_in(rectangles)
-        if search.looked_into >= budget.boxes:
+        if search.examined >= budget.boxes:
             accepted.mark_rectangles(rectangles[open_])
             break
         search.keep(open_)
@@ -157,7 +157,7 @@ class _Search:
         factor = (error.adjoint @ error.factor)[:AXES]
         self._R = np.ascontiguousarray(np.linalg.qr(factor.T, mode="r"))
         self._view = _view(camera, limits, rims)
-        self.looked_into, self.found = 0, 0.0
+        self.examined, self.found = 0, 0.0
         self.at: tuple[float, ...] | None = None
         self._empty()
         low, high = self._view[:2], self._view[2:4]
@@ -194,10 +194,10 @@ class _Search:
         )
 
     def _add(self, boxes: NDArray[np.float64], parents: NDArray[np.float64]) -> None:
-        """Look into boxes whose parents had these bounds, and open those that are feasible."""
+        """Examine boxes whose parents had these bounds, and open those that are feasible."""
         values, axis = np.empty((len(boxes), OUT)), np.empty(len(boxes), np.int64)
         box_bounds(boxes, *self._length, self._R, self._view, values, axis)
-        self.looked_into += len(boxes)
+        self.examined += len(boxes)
         feasible = axis >= 0
         feasible[feasible] = self._reachable.any_in(self._reachable.rectangles(values[feasible, 3:7]))
         boxes, values, axis, parents = boxes[feasible], values[feasible], axis[feasible], parents[feasible]
@@ -290,7 +290,7 @@ def _view(camera: Camera, limits: ObservationLimits, rims: bool) -> NDArray[np.f
     )
 
 
-_SLACK = 0.01  # of the image: what the lens does between the points that are looked at
+_SLACK = 0.01  # of the image: what the lens does between the points that are evaluated
 _GRID = 65
 
 

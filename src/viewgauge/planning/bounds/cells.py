@@ -12,9 +12,10 @@ from ...evaluation import Requirement, Setup
 from ...part import Characteristic
 from ...part.measurand_table import MeasurandTable
 from ..candidates.candidate_grid import spread_directions
+from ..region import Region
 from .branch_and_bound import Budget, acceptable_distances, widest_tangent
 from .distance_grid import DistanceGrid
-from .eye_region import EyeRegion, Faces, distance_range, first_cell
+from .eye_region import Faces, distance_range, first_cell
 from .measurand_groups import measurand_groups
 
 __all__ = ["AXES", "AXES_APART_RAD", "CellSets"]
@@ -26,7 +27,7 @@ AXES_APART_RAD = 0.14
 _BINS = 64
 _BUDGET_OF_A_LENGTH = Budget(boxes=300_000)
 _PAIRS = 1 << 18  # cell x measurand at once
-_NEAR = 0.5  # of the distance: larger cells are not looked at direction by direction
+_NEAR = 0.5  # of the distance: larger cells are not examined direction by direction
 
 
 class CellSets:
@@ -41,7 +42,7 @@ class CellSets:
         self,
         characteristics: Sequence[Characteristic],
         setup: Setup,
-        region: EyeRegion,
+        region: Region,
     ) -> None:
         self._measurands = measurands = MeasurandTable.of(characteristics)
         self._region = region
@@ -50,7 +51,7 @@ class CellSets:
         self._axes = spread_directions(AXES)
         allowed = np.array([_allowed(setup.requirement, characteristic) for characteristic in characteristics])
         self._groups: list[tuple[NDArray[np.int64], DistanceGrid]] = []
-        self.looked_at = 0
+        self.examined = 0
         """Pairs of a cell, or a cell and a viewing direction, with a measurand's end, so far."""
         low, high = first_cell(region)
         for members, length, tolerance in (
@@ -84,7 +85,7 @@ class CellSets:
         self, low: NDArray[np.float64], high: NDArray[np.float64]
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.bool_]]]:
         points = self._measurands.points
-        self.looked_at += 2 * len(points) * len(low)
+        self.examined += 2 * len(points) * len(low)
         nearest, farthest = distance_range(low, high, points)
         measurable = self._faces.possible(low, high, nearest) & self._region.possible(low, high)[:, None]
         for members, accepted in self._groups:
@@ -118,7 +119,7 @@ class CellSets:
         """Different sets ``(m, d)`` of a cell's k measurands: unit vectors to the ends ``(k, 2, 3)``, their spread,
         rad.
         """
-        self.looked_at += 2 * len(measurands) * AXES
+        self.examined += 2 * len(measurands) * AXES
         reach = np.cos(np.minimum(self._half_view_rad + AXES_APART_RAD + slack, np.pi)) - 1e-9
         seen = (sight @ self._axes.T >= reach[..., None]).all(axis=1)
         characteristic = self._measurands.characteristic[measurands]

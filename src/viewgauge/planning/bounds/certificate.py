@@ -1,4 +1,4 @@
-"""What is proven of a characteristic that no candidate measures as surely as required."""
+"""What is proven of a characteristic that no candidate measures with the required probability."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from ...evaluation import Setup
 from ...geometry import PoseError
 from ...part import Characteristic
 from ...part.measurand_table import MeasurandTable
+from ..region import Region
 from .branch_and_bound import DEFAULT_BUDGET, Bound, Budget, probability_bound
 from .distance_grid import DistanceGrid
-from .eye_region import EyeRegion, reachable_distances
+from .eye_region import reachable_distances
 from .measurand_groups import MeasurandGroup, measurand_groups
 
 __all__ = ["Certificate", "certify"]
@@ -29,9 +30,9 @@ class Certificate:
     Parameters
     ----------
     characteristic_id
-        Whose.
+        The characteristic.
     upper_bound
-        No pose whose centre of projection is in the region measures the characteristic more surely.
+        No pose whose centre of projection is in the region measures the characteristic with a higher probability.
     proven
         The bound is below the required probability: no pose meets the characteristic.
     cause
@@ -52,13 +53,13 @@ class Certificate:
 def certify(
     characteristic: Characteristic,
     setup: Setup,
-    region: EyeRegion,
+    region: Region,
     *,
     budget: Budget = DEFAULT_BUDGET,
 ) -> Certificate:
-    """Bound the probability of a characteristic over a region of eye positions, all ways to turn the camera included.
+    """Bound the probability of a characteristic over a region, all ways to turn the camera at each position included.
 
-    Of the joint model; occlusion is left out, which only raises the bound.
+    The probability is that of the joint model; occlusion is left out, which only raises the bound.
 
     Parameters
     ----------
@@ -103,10 +104,10 @@ def _over_all(
 
 
 def _cause(pose: Bound, pixels: Bound, required: float) -> str:
-    """Which error alone keeps the characteristic below the required probability, wherever the camera stands."""
+    """Which error alone keeps the characteristic below the required probability, wherever the camera is."""
     by_pose, by_pixels = pose.proves_below(required), pixels.proves_below(required)
     at_most_pose = f"even with an ideal edge detector at most {_up(pose.upper)}"
-    at_most_pixels = f"even with a head without error at most {_up(pixels.upper)}"
+    at_most_pixels = f"even without pose error at most {_up(pixels.upper)}"
     if by_pose and by_pixels:
         return f"pose error and pixels each prevent it alone: {at_most_pose}, {at_most_pixels}"
     if by_pose:

@@ -2,8 +2,8 @@
 bound.
 
 A measurand and an eye make a triangle, so the two distances fix how the measurand lies to the lines of sight; where the
-camera acquisitions and its roll are free. The pairs are kept as the cells of a square grid, even in the logarithm of
-the distance.
+camera looks and its roll are free. The pairs are kept as the cells of a square grid, uniform in the logarithm of the
+distance.
 """
 
 from __future__ import annotations

@@ -3,41 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...visibility import ObservationLimits
+from ..region import Region
 from .distance_grid import DistanceGrid
 
-__all__ = ["EyeRegion", "Faces", "distance_range", "first_cell", "halves", "reachable_distances"]
+__all__ = ["Faces", "distance_range", "first_cell", "halves", "reachable_distances"]
 
 _SAFE = 1e-9  # of the size, against rounding
 _CELLS = 250_000  # of eye positions, shared by the measurands; what is left then counts as reachable
 _FEWEST_CELLS = 25_000  # of each measurand
 _ROUGH_CELLS = 10_000
-_ROUGH_BINS = 96  # of a first look, which only finds the range of the distances
+_ROUGH_BINS = 96  # of a first pass, which only finds the range of the distances
 
 
-class EyeRegion(Protocol):
-    """Allowed positions of the camera's centre of projection, part frame, mm."""
-
-    @property
-    def bounds(self) -> NDArray[np.float64]:
-        """``(2, 3)``: a box that holds the region."""
-        ...
-
-    def possible(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """``(n,)``: False only if no point of the box ``(n, 3)`` to ``(n, 3)`` is allowed."""
-        ...
-
-    def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """``(n,)``: points ``(n, 3)`` are allowed."""
-        ...
-
-
-def first_cell(region: EyeRegion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def first_cell(region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The region's bounds as one box ``(1, 3)`` to ``(1, 3)``; none where they exclude each other."""
     low, high = (side[None] for side in np.asarray(region.bounds, dtype=float))
     some = (low <= high).all(axis=1)
@@ -75,8 +58,8 @@ class Faces:
         height = middle @ flat.T + half @ np.abs(flat).T
         height = height.reshape(-1, *shape) - self._offset
         size = np.abs(height) + np.abs(self._offset)
-        turned = (height + _SAFE * size > self._sine * nearest[..., None]) & self._there
-        return np.asarray(turned.any(axis=-1).all(axis=-1))
+        faces_eye = (height + _SAFE * size > self._sine * nearest[..., None]) & self._there
+        return np.asarray(faces_eye.any(axis=-1).all(axis=-1))
 
 
 def distance_range(
@@ -100,7 +83,7 @@ def halves(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[NDArray
 
 
 def reachable_distances(
-    points: NDArray[np.float64], normals: NDArray[np.float64], region: EyeRegion, limits: ObservationLimits
+    points: NDArray[np.float64], normals: NDArray[np.float64], region: Region, limits: ObservationLimits
 ) -> DistanceGrid:
     """The pairs of distances at which an allowed eye can be, for any of g measurands with a face turned to it at each
     end.
@@ -118,13 +101,13 @@ def reachable_distances(
     nearest, farthest = distance_range(low, high, points)
     grid = DistanceGrid(float(nearest.min()), float(farthest.max()), _ROUGH_BINS)
     faces = [Faces(points[g : g + 1], normals[g : g + 1], limits) for g in range(len(points))]
-    for ends, turned in zip(points, faces, strict=True):
-        _add_measurand(grid, ends, turned, low, high, region, _ROUGH_CELLS)
+    for ends, its_faces in zip(points, faces, strict=True):
+        _add_measurand(grid, ends, its_faces, low, high, region, _ROUGH_CELLS)
     if grid.empty:
         return grid
     grid = DistanceGrid(*grid.range_mm())
-    for ends, turned in zip(points, faces, strict=True):
-        _add_measurand(grid, ends, turned, low, high, region, max(_CELLS // len(points), _FEWEST_CELLS))
+    for ends, its_faces in zip(points, faces, strict=True):
+        _add_measurand(grid, ends, its_faces, low, high, region, max(_CELLS // len(points), _FEWEST_CELLS))
     return grid
 
 
@@ -134,7 +117,7 @@ def _add_measurand(
     faces: Faces,
     low: NDArray[np.float64],
     high: NDArray[np.float64],
-    region: EyeRegion,
+    region: Region,
     most_cells: int,
 ) -> None:
     """Mark the pairs of one measurand, by halving boxes of eye positions until they are small, empty or say nothing
@@ -154,7 +137,7 @@ def _add_measurand(
         middle = (low + high) / 2
         distance, _ = distance_range(middle, middle, ends)
         certain = faces.possible(middle, middle, distance[:, None])[:, 0]
-        certain[certain] = region.allowed(middle[certain])
+        certain[certain] = region.possible(middle[certain], middle[certain])
         grid.mark_pairs(distance[certain])
         grid.mark_rectangles(rectangles[small])
         low, high = halves(low[~small], high[~small])

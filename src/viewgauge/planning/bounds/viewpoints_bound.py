@@ -1,4 +1,4 @@
-"""How many viewpoints any plan needs at least, wherever in the region its cameras stand.
+"""How many viewpoints any plan needs at least, wherever in the region its cameras are.
 
 The region of eye positions is parted into cells, and for each cell and viewing direction a set of characteristics is
 found that holds all that can be measured from there (:mod:`cells`). The viewpoints of any plan lie in such cells, so
@@ -20,8 +20,9 @@ from ...evaluation import Setup
 from ...part import Characteristic
 from ..cover.dominance import maximal_rows
 from ..cover.minimum_cover import minimum_cover
+from ..region import Region
 from .cells import CellSets
-from .eye_region import EyeRegion, first_cell, halves
+from .eye_region import first_cell, halves
 
 __all__ = ["ViewpointsBound", "viewpoints_lower_bound"]
 
@@ -43,7 +44,7 @@ class ViewpointsBound:
         Ids of ``count`` > 1 characteristics of which no two can be measured from one viewpoint, where such are known;
         else empty.
     cells
-        Cells of eye positions looked into.
+        Cells of eye positions that were examined.
     """
 
     count: int
@@ -54,7 +55,7 @@ class ViewpointsBound:
 def viewpoints_lower_bound(
     characteristics: Sequence[Characteristic],
     setup: Setup,
-    region: EyeRegion,
+    region: Region,
     *,
     attained: NDArray[np.bool_] | None = None,
     enough: int | None = None,
@@ -71,7 +72,7 @@ def viewpoints_lower_bound(
     enough
         Number of viewpoints of a known plan: reached, the bound is as high as it can be.
     work
-        Pairs of a cell and a viewing direction with an end of a measurand, looked at at most.
+        Pairs of a cell and a viewing direction with an end of a measurand that are examined at most.
     """
     if not characteristics:
         return ViewpointsBound(0, (), 0)
@@ -80,7 +81,7 @@ def viewpoints_lower_bound(
     low, high = first_cell(region)
     smallest = _SMALLEST * float((high - low).max(initial=0.0))
     found = _Cells.of(sets, low, high)
-    best, rows, looked_into = -1, known, 1
+    best, rows, examined = -1, known, 1
     while True:
         middle = (found.low + found.high) / 2
         known = np.concatenate([known, sets.of(middle, middle)[1]])
@@ -91,17 +92,17 @@ def viewpoints_lower_bound(
         count = _least_cover(every)
         if count >= best:
             best, rows = count, every
-        if (enough is not None and best >= enough) or sets.looked_at >= work:
+        if (enough is not None and best >= enough) or sets.examined >= work:
             break
-        spent = max(sets.looked_at, 1) / looked_into
-        split = found.largest(every, smallest, max(int((work - sets.looked_at) / (4 * spent)), 1))
+        spent = max(sets.examined, 1) / examined
+        split = found.largest(every, smallest, max(int((work - sets.examined) / (4 * spent)), 1))
         if not len(split):
             break
         halved = halves(found.low[split], found.high[split])
-        looked_into += len(halved[0])
+        examined += len(halved[0])
         found = found.part(~np.isin(found.owner, split)).joined(_Cells.of(sets, *halved))
     apart = _apart(rows, best) if best > 1 else []
-    return ViewpointsBound(best, tuple(characteristics[j].id for j in apart), looked_into)
+    return ViewpointsBound(best, tuple(characteristics[j].id for j in apart), examined)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,12 @@ from ...exceptions import NoCandidateError
 from ...geometry import look_at
 from ...part import Mesh
 from ...sensors import Camera
+from ..region import AllowedRegion, RegionMember, Workpiece
 from .candidate_options import CandidateOptions
 
 __all__ = ["CandidateGrid", "default_distance_range", "spread_directions"]
 
+_BLOCK = 65_536  # poses that the region is asked about at once
 _GOLDEN_ANGLE_RAD = np.pi * (3 - np.sqrt(5))
 
 # Default distances, as multiples of the one at which all measurands just fill the narrower field of view: nearer
@@ -28,7 +31,7 @@ _DEFAULT_RANGE_IN_FOCUS = (0.85, 1.15)
 def spread_directions(
     count: int, axis: tuple[float, float, float] = (0.0, 0.0, 1.0), half_angle_rad: float = np.pi
 ) -> NDArray[np.float64]:
-    """Unit vectors ``(count, 3)`` spread evenly over the sphere or the cap of a cone (Fibonacci lattice).
+    """Unit vectors ``(count, 3)`` spread uniformly over the sphere or the cap of a cone (Fibonacci lattice).
 
     References
     ----------
@@ -61,7 +64,7 @@ class CandidateGrid:
     """Candidate camera poses around the part, made when they are asked for: their number costs no memory.
 
     Every combination of a point aimed at (the centre of the measurands and the centres of clusters of measurands), a
-    distance, a direction and a roll. Poses whose camera would stand where it must not are left out.
+    distance, a direction and a roll. Poses that the region does not allow are left out.
 
     Parameters
     ----------
@@ -85,57 +88,69 @@ class CandidateGrid:
         self._directions = spread_directions(options.directions, options.cone_axis, options.cone_half_angle_rad)
         self._rolls = np.arange(options.rolls) * np.pi / options.rolls
         self._shape = tuple(len(a) for a in (self._targets, self._distances, self._directions))
-        self.region = options.region(self._targets, (near, far), mesh)
-        """Where a camera may stand; every candidate does."""
-        self._inside = self._left_out(options.bounded)
+        workpiece = Workpiece(mesh, self._targets[0])
+        self.region = options.region(self._targets, (near, far), workpiece)
+        """Where a camera may be; every candidate is."""
+        members = options.members()
+        stated = AllowedRegion(tuple(member.region(workpiece) for member in members))
+        excluded = self._excluded(stated, None if options.regions else mesh)
+        self._excluded_count = len(excluded)
+        # the candidates that are left before each excluded one
+        self._left_before = excluded - np.arange(len(excluded))
         if not len(self):
-            raise NoCandidateError(
-                f"no candidate viewpoint is left: at distances of {near:.4g} to {far:.4g} mm {self._why_none()}"
-            )
+            why = self._why_none(members, workpiece)
+            raise NoCandidateError(f"no candidate viewpoint is left: at distances of {near:.4g} to {far:.4g} mm {why}")
 
     def __len__(self) -> int:
         """Number of candidates."""
-        return (math.prod(self._shape) - len(self._inside)) * len(self._rolls)
+        return self._combinations - self._excluded_count
+
+    @property
+    def _combinations(self) -> int:
+        return math.prod(self._shape) * len(self._rolls)
 
     def poses(self, first: int, stop: int) -> NDArray[np.float64]:
         """``T_part_camera`` ``(m, 4, 4)`` mm of candidates ``first`` to ``stop - 1``."""
-        place, roll = np.divmod(np.arange(first, min(stop, len(self))), len(self._rolls))
-        # the place-th of those that are not inside: each one inside before it moves it on by one
-        place += np.searchsorted(self._inside - np.arange(len(self._inside)), place, side="right")
-        aim, eyes = self._aim_and_eyes(place)
-        return look_at(eyes, aim, self._rolls[roll])
+        index = np.arange(first, min(stop, len(self)))
+        # each excluded combination before a candidate moves it on by one
+        return self._combined(index + np.searchsorted(self._left_before, index, side="right"))
 
-    def _aim_and_eyes(self, place: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _combined(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Poses ``(m, 4, 4)`` mm of combinations by index: the roll changes fastest, then direction and distance."""
+        place, roll = np.divmod(index, len(self._rolls))
         target, distance, direction = np.unravel_index(place, self._shape)
         aim = self._targets[target]
-        return aim, aim + self._distances[distance][:, None] * self._directions[direction]
+        eyes = aim + self._distances[distance][:, None] * self._directions[direction]
+        return look_at(eyes, aim, self._rolls[roll])
 
-    def _left_out(self, bounded: bool) -> NDArray[np.int64]:
-        """Combinations of target, distance and direction whose camera must not stand there, ascending."""
-        left_out = [np.zeros(0, np.int64)]
-        corners = np.array(np.meshgrid(*self.region.mesh.bounds.T)).reshape(3, -1).T
-        directions = len(self._directions)
+    def _excluded(self, region: AllowedRegion, outside: Mesh | None) -> NDArray[np.int64]:
+        """Combinations that a region does not allow, ascending; those far outside of a mesh are not asked about."""
+        excluded = [np.zeros(0, np.int64)]
+        corners = None if outside is None else np.array(np.meshgrid(*outside.bounds.T)).reshape(3, -1).T
+        size = len(self._directions) * len(self._rolls)
         for k, (target, distance) in enumerate(itertools.product(self._targets, self._distances)):
-            if not bounded and distance > np.linalg.norm(corners - target, axis=1).max():
+            if corners is not None and distance > np.linalg.norm(corners - target, axis=1).max():
                 continue  # farther than any corner of the part's bounding box
-            _, eyes = self._aim_and_eyes(np.arange(k * directions, (k + 1) * directions))
-            excluded = self.region.too_near(eyes) | ~self.region.in_reach(eyes)
-            left_out.append(k * directions + np.flatnonzero(excluded))
-        return np.concatenate(left_out)
+            for first in range(k * size, (k + 1) * size, _BLOCK):
+                index = np.arange(first, min(first + _BLOCK, (k + 1) * size))
+                excluded.append(index[~region.allows(self._combined(index))])
+        return np.concatenate(excluded)
 
-    def _why_none(self) -> str:
-        """What stands in the way, and what to do."""
-        _, eyes = self._aim_and_eyes(np.arange(math.prod(self._shape)))
-        near, reach = self.region.too_near(eyes), self.region.in_reach(eyes)
-        what = "inside the part's bounding box" if self.region.standoff_mm is None else "nearer than the standoff"
-        if near.all():
-            return f"every camera would be {what}; allow larger distances"
-        if not reach.any():
-            return "no camera would be where the box, the hemisphere and the forbidden boxes allow it; mend candidates"
-        return (
-            f"{near.mean():.0%} of the cameras would be {what}, {(~reach).mean():.0%} where the box, the hemisphere or "
-            "a forbidden box does not allow it; allow more room or other distances"
-        )
+    def _why_none(self, members: Sequence[RegionMember], workpiece: Workpiece) -> str:
+        """Where the cameras would be, and what to do."""
+        each: dict[str, NDArray[np.bool_]] = {}
+        for member in members:
+            here = np.zeros(self._combinations, dtype=bool)
+            here[self._excluded(AllowedRegion((member.region(workpiece),)), None)] = True
+            each[member.outside] = each.get(member.outside, here) | here
+        for member in members:
+            if each[member.outside].all():
+                advice = "allow larger distances" if member.clears_part else "allow more room or other distances"
+                return f"every camera would be {member.outside}; {advice}"
+        shares = [(f"{excluded.mean():.0%}", outside) for outside, excluded in each.items() if excluded.any()]
+        (share, outside), *others = shares
+        words = [f"{share} of the cameras would be {outside}", *(" ".join(other) for other in others)]
+        return f"{', '.join(words)}; allow more room or other distances"
 
 
 def _targets(measurand_points: NDArray[np.float64], clusters: int, seed: int) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""What the user may say about where the camera can stand, and about the search."""
+"""What the user may state about where the camera can be, and about the sampling of candidates."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
-from ...part import Mesh
-from ..region.allowed_region import Hemisphere, Region
-
-Corners = tuple[tuple[float, float, float], tuple[float, float, float]]
+from ..region import AllowedRegion, RegionMember, Workpiece
+from ..region.around_targets import AroundTargets
+from ..region.part_bounding_box import OutsidePartBoundingBox
 
 __all__ = ["CandidateOptions"]
 
@@ -27,20 +26,16 @@ class CandidateOptions:
     distances
         Number of distances sampled in that range.
     directions
-        Number of directions, spread evenly on the sphere or the cone.
+        Number of directions, spread uniformly over the sphere or the cone.
     rolls
-        Number of turns about the optical axis, spread evenly over half a turn.
+        Number of rotations about the optical axis, spread uniformly over half a turn.
     targets
         Number of points aimed at beside the part's centre (clusters of measurands).
     cone_axis, cone_half_angle_rad
         Only directions (from the part to the camera) within this angle of this axis, part frame.
-    box, forbidden
-        Lowest and highest corner, mm, part frame, of the box in which the camera has to stand, and of those in which
-        it must not.
-    hemisphere
-        The side of a plane, and how far from a point of it, where the camera has to stand.
-    standoff_mm
-        Least distance from the part's surface, mm; None to keep out of the part's bounding box instead.
+    regions
+        Members of the allowed region, such as :class:`~viewgauge.planning.region.Box`: the camera has to be where all
+        of them allow it, and outside the part's bounding box unless one of them keeps it out of the part.
     """
 
     distance_mm: tuple[float, float] | None = None
@@ -50,10 +45,7 @@ class CandidateOptions:
     targets: int = 4
     cone_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     cone_half_angle_rad: float = np.pi
-    box: Corners | None = None
-    hemisphere: Hemisphere | None = None
-    forbidden: tuple[Corners, ...] = ()
-    standoff_mm: float | None = None
+    regions: tuple[RegionMember, ...] = ()
 
     def __post_init__(self) -> None:
         if self.distance_mm is not None:
@@ -73,37 +65,28 @@ class CandidateOptions:
             raise InputError("the cone's half angle must lie in (0, 180] deg", got=self.cone_half_angle_rad)
         if not np.isfinite(self.cone_axis).all() or not np.linalg.norm(self.cone_axis) > 0:
             raise InputError("the cone's axis must be a direction", key="cone_axis", got=self.cone_axis)
-        for low, high in (*self.forbidden, *([self.box] if self.box else [])):
-            if not (np.isfinite([low, high]).all() and (np.asarray(low) < np.asarray(high)).all()):
+        for member in self.regions:
+            if not isinstance(member, RegionMember):
                 raise InputError(
-                    "a box needs its lowest corner first, each coordinate below that of the highest",
-                    key="box, forbidden",
-                    got=f"{list(low)} to {list(high)}",
+                    "not a member of the allowed region",
+                    key="regions",
+                    got=repr(member),
+                    expected="an object such as viewgauge.planning.region.Box, with all that RegionMember asks for",
                 )
-        if self.standoff_mm is not None and not (np.isfinite(self.standoff_mm) and self.standoff_mm >= 0):
-            raise InputError("must be finite and not negative", key="standoff_mm", got=self.standoff_mm)
-        if self.hemisphere is not None and not (
-            self.hemisphere.radius_mm > 0 and 0 < np.linalg.norm(self.hemisphere.axis) < np.inf
-        ):
-            raise InputError("the hemisphere needs a direction and a positive radius", got=self.hemisphere)
 
-    @property
-    def bounded(self) -> bool:
-        """Whether more is asked of the camera's position than a distance and a direction from the part."""
-        return (
-            self.box is not None or self.hemisphere is not None or bool(self.forbidden) or self.standoff_mm is not None
-        )
+    def members(self) -> tuple[RegionMember, ...]:
+        """The stated members, and the part's bounding box where none of them keeps the camera out of the part."""
+        if any(member.clears_part for member in self.regions):
+            return self.regions
+        return (*self.regions, OutsidePartBoundingBox())
 
-    def region(self, targets: NDArray[np.float64], distance_mm: tuple[float, float], mesh: Mesh) -> Region:
-        """Where the camera may stand, aimed at targets ``(t, 3)`` mm from a range of distances."""
-        return Region(
-            targets,
-            distance_mm,
-            mesh,
-            self.cone_axis,
-            self.cone_half_angle_rad,
-            None if self.box is None else np.array(self.box),
-            self.hemisphere,
-            np.array(self.forbidden).reshape(-1, 2, 3),
-            self.standoff_mm,
-        )
+    def region(
+        self, targets: NDArray[np.float64], distance_mm: tuple[float, float], workpiece: Workpiece
+    ) -> AllowedRegion:
+        """The allowed region: all members, and the range of distances and directions from targets ``(t, 3)`` mm."""
+        sampled = AroundTargets(targets, distance_mm, self.cone_axis, self.cone_half_angle_rad)
+        return AllowedRegion((*(member.region(workpiece) for member in self.members()), sampled))
+
+    def stated_region(self, workpiece: Workpiece) -> AllowedRegion:
+        """What the stated members alone allow: poses that are given and not sampled are asked for no more."""
+        return AllowedRegion(tuple(member.region(workpiece) for member in self.regions))

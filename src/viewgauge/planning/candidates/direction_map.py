@@ -1,4 +1,4 @@
-"""From which directions one characteristic is measured, and how surely."""
+"""From which directions one characteristic is measured, and with which probability."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ __all__ = ["DirectionMap", "map_directions"]
 
 @dataclass(frozen=True)
 class DirectionMap:
-    """How surely a characteristic is measured by a camera that looks at its middle from all around.
+    """The probability of a characteristic for a camera that is aimed at its middle from all around.
 
     Parameters
     ----------
     characteristic
         Its id.
     target_mm, distance_mm
-        ``(3,)`` mm, part frame: what is looked at; and from how far.
+        ``(3,)`` mm, part frame: what the camera is aimed at; and from how far.
     directions
-        ``(n, 3)`` unit vectors, part frame, from the part to the camera, spread evenly over the sphere.
+        ``(n, 3)`` unit vectors, part frame, from the part to the camera, spread uniformly over the sphere.
     probability
         ``(n,)``: of the best roll; 0 where it is not seen.
     reason
@@ -50,7 +50,7 @@ def map_directions(evaluator: Evaluator, distance_mm: float, *, directions: int 
     Parameters
     ----------
     rolls
-        Turns about the optical axis that are tried, spread over half a turn.
+        Rotations about the optical axis that are tried, spread over half a turn.
     """
     (characteristic,) = evaluator.characteristics
     target = np.mean([(measurand.start + measurand.end) / 2 for measurand in characteristic.measurands], axis=0)

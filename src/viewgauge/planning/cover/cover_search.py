@@ -21,7 +21,7 @@ def descend(
 
     ``rows`` ``(n, words)`` bit sets; ``holders[ends[j]:ends[j + 1]]`` the rows that hold column j, the dearest first;
     ``byte_prices`` ``(8 words, 256)`` what the columns in a byte of the bit set cost together; ``paid`` ``(n,)`` the
-    prices of the rows; ``steps`` the number of rows that may be looked at.
+    prices of the rows; ``steps`` the number of rows that may be tried.
     """
     words, dearest = rows.shape[1], paid.max()
     left = np.zeros((most + 1, words), np.uint64)
@@ -34,11 +34,11 @@ def descend(
         allowed = most - depth - 1  # rows beside the one chosen here
         if fresh:
             column = _first_bit(left[depth])
-            count[depth], looked_at = _branch(
+            count[depth], tried = _branch(
                 rows, left[depth], holders[ends[column] : ends[column + 1]], over, byte_prices, paid, allowed * dearest,
                 branches[depth],
             )  # fmt: skip
-            steps -= looked_at
+            steps -= tried
             if steps < 0:
                 return branches[0, :0].copy(), False
             turn[depth], fresh = 0, False
@@ -71,16 +71,16 @@ def _branch(
 ) -> Any:
     """Put the rows whose remainder the budget pays for into ``branches``, the cheapest remainder first.
 
-    Returns their number and how many rows were looked at. Without a budget one row that leaves nothing is enough.
+    Returns their number and how many rows were tried. Without a budget one row that leaves nothing is enough.
     """
     least = _price(left, byte_prices) - budget  # a row takes off at most its own price
     prices = np.empty(holders.size if budget > 0 else 0, np.int64)
     rest = np.empty_like(left)
-    count, looked_at = 0, 0
+    count, tried = 0, 0
     for row in holders:
         if paid[row] < least:
             break
-        looked_at += 1
+        tried += 1
         if over[row]:
             continue
         if budget > 0:
@@ -92,10 +92,10 @@ def _branch(
                 count += 1
         elif _part_of(left, rows[row]):
             branches[0] = row
-            return 1, looked_at
+            return 1, tried
     if budget > 0:
         branches[:count] = branches[:count][np.argsort(prices[:count], kind="mergesort")]
-    return count, looked_at
+    return count, tried
 
 
 @_compiled

@@ -47,7 +47,7 @@ _compiled: Callable[[Any], Any] = numba.njit(cache=True, nogil=True)
 
 
 def probability_levels(probability: NDArray[np.float64], required: float, candidates: int = 0) -> NDArray[np.uint16]:
-    r"""How sure, in steps: 0 where it misses what is required, else :math:`\max(1, \lfloor p / step \rfloor)`.
+    r"""Probability in steps: 0 where it misses what is required, else :math:`\max(1, \lfloor p / step \rfloor)`.
 
     The steps are of 1e-4: the model agrees with the full camera model to 1.5e-4, so a finer comparison of two
     viewpoints means nothing. The fewer levels differ, the more viewpoints are found needless; of very many candidates
@@ -74,10 +74,10 @@ def probability_levels(probability: NDArray[np.float64], required: float, candid
 class Undominated:
     """The viewpoints that a least and most probable cover may need, of all that were added.
 
-    A viewpoint is needless if one other is, in every characteristic and beyond doubt, at least as sure; of equal ones
-    without doubt the lowest index stays, and what accepts nothing is dropped. The least number of viewpoints that
+    A viewpoint is needless if one other is, in every characteristic and beyond doubt, at least as probable; of equal
+    ones without doubt the lowest index stays, and what accepts nothing is dropped. The least number of viewpoints that
     cover every characteristic stays the same, and so does the best level that the weakest characteristic can have in
-    such a cover, also when doubtful levels turn out lower (proof at the head of this file). What is kept depends
+    such a cover, also when doubtful levels turn out lower (proof at the top of this file). What is kept depends
     neither on the order in which viewpoints arrive nor on how they are parted or merged.
 
     An index names one viewpoint: repeated with the same levels it counts once, met with different ones it is refused.
@@ -102,7 +102,7 @@ class Undominated:
         index
             ``(m,)``, names of the viewpoints.
         level
-            ``(m, d)``, 0 where not accepted, else the higher the surer.
+            ``(m, d)``, 0 where not accepted, else the higher the more probable.
         certain
             ``(m, d)``: False where the level may yet turn out lower, never higher.
         """

@@ -69,8 +69,8 @@ def most_probable_minimum_cover(
     Parameters
     ----------
     level
-        ``(n, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the surer; each characteristic
-        above 0 somewhere (ValueError otherwise).
+        ``(n, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the more probable; each
+        characteristic above 0 somewhere (ValueError otherwise).
     time_limit_s
         Of the search for the fewest, and again of that for the most probable; when it is up, the best so far.
     gap
@@ -308,7 +308,7 @@ def _searched(holds: NDArray[np.bool_], most: int) -> tuple[list[int] | None, bo
 
     At each node the column left that has the fewest holders is covered by each of them in turn, the cheapest remainder
     first; a remainder too dear for the rows that may still be taken is skipped, and a row whose turn is over is in no
-    later branch, since every cover with it has been looked at.
+    later branch, since every cover with it has been tried.
     """
     columns = np.argsort(holds.sum(axis=0), kind="stable")  # bit 0 has the fewest holders
     holds = holds[:, columns]

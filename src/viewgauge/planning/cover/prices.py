@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 __all__ = ["characteristic_prices"]
 
 _OF_ITS_OWN = 2.0
-"""What a characteristic costs that no viewpoint measures: more than a viewpoint, so that one is looked for."""
+"""What a characteristic costs that no viewpoint measures: more than a viewpoint, so that one is sought."""
 
 
 def characteristic_prices(holds: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:

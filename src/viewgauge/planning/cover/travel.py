@@ -38,7 +38,7 @@ def least_travel(level: NDArray[np.uint16], positions: NDArray[np.float64], chos
     Parameters
     ----------
     level
-        ``(k, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the surer.
+        ``(k, d)``: viewpoints by characteristics, 0 = not accepted, else the higher the more probable.
     positions
         ``(k, 3)`` mm.
     chosen

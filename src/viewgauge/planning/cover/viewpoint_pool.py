@@ -15,7 +15,7 @@ __all__ = ["ViewpointPool"]
 
 @dataclass(frozen=True)
 class ViewpointPool:
-    """Viewpoints and how surely each measures each characteristic.
+    """Viewpoints, and the probability with which each measures each characteristic.
 
     Parameters
     ----------
@@ -47,16 +47,16 @@ class ViewpointPool:
         return np.asarray(self.probability.max(axis=0, initial=0.0))
 
     def reached(self, required: float) -> NDArray[np.int64]:
-        """Indices of the characteristics that some viewpoint measures as surely as required."""
+        """Indices of the characteristics that some viewpoint measures with the required probability."""
         return np.flatnonzero(self.best() >= required)
 
     def weakest(self, required: float) -> float:
-        """The probability of the least sure of the characteristics that are met; 1 where there is none."""
+        """The least probability of the characteristics that are met; 1 where there is none."""
         best = self.best()
         return float(best[best >= required].min(initial=1.0))
 
     def measured_from(self) -> NDArray[np.int64]:
-        """``(d,)``: the row that measures each characteristic the most probable (the first of equal ones)."""
+        """``(d,)``: the row of the highest probability of each characteristic (the first of equal ones)."""
         return np.asarray(self.probability.argmax(axis=0))
 
     def worthwhile(self, required: float) -> NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""How viewpoints, as they stand, measure a part."""
+"""How given viewpoints measure a part."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["Answers", "CharacteristicAnswer"]
 
 @dataclass(frozen=True)
 class CharacteristicAnswer:
-    """How a characteristic stands.
+    """How a characteristic is measured.
 
     Parameters
     ----------
     viewpoint
-        By which it is measured the most probable; None where no viewpoint sees it.
+        The one with the highest probability; None where no viewpoint sees it.
     measurand
-        The two points from there; where it is not seen its first.
+        What is measured from there; where it is not seen, its first measurand.
     reason
         Why it is not seen from where it fails last; empty where it is seen.
     """
@@ -42,7 +42,7 @@ class CharacteristicAnswer:
 
 @dataclass(frozen=True)
 class Answers:
-    """How the viewpoints, as they stand, measure the part.
+    """How given viewpoints measure the part.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Answers:
 
     @property
     def weakest(self) -> CharacteristicAnswer | None:
-        """The least sure of all; None where there is none."""
+        """The least probable of all; None where there is none."""
         return min(self.characteristics, key=lambda answer: answer.probability, default=None)
 
     def of(self, name: str) -> CharacteristicAnswer:
@@ -80,7 +80,7 @@ class Answers:
         allowed_error_mm: NDArray[np.float64],
         table: TableBlock,
     ) -> Answers:
-        """Of each characteristic the most probable viewpoint of a table."""
+        """Each characteristic at its most probable viewpoint of a table."""
         names = list(viewpoints)
         answers = tuple(
             _answer(characteristic, float(allowed_error_mm[j]), table, j, names, setup.requirement.probability)

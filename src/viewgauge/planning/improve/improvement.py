@@ -28,11 +28,11 @@ class Change:
     unlimited
         It is still met at 1024 times the error, or at the longest or shortest that was tried.
     best_probability
-        Of a characteristic where no factor will do: how sure it is without the error. None else.
+        Of a characteristic where no factor will do: its probability without the error. None else.
     verified
         Evaluated afresh: met at the answer, and not met 0.1 % beyond it.
     limited_by
-        The characteristics that are met no further, or those for which no factor will do, where it is said.
+        The characteristics that are met no further, or those for which no factor will do, where they are known.
     """
 
     factor: float | None
@@ -56,9 +56,9 @@ class CharacteristicChanges:
 
 @dataclass(frozen=True)
 class TradeOff:
-    """With a quantization step of ``pixel_px`` the largest factor of the head's errors with which the part is met.
+    """With a quantization step of ``pixel_px`` the largest factor of the pose error with which the part is met.
 
-    None where not even a head without error will do.
+    None where it is not met even without pose error.
     """
 
     pixel_px: float
@@ -79,7 +79,7 @@ class Improvement:
     part
         For all characteristics together, but for ``left_out``.
     left_out
-        Characteristics that are not met even without any pixel and head error: what the camera sees is in the way.
+        Characteristics that are not met even without any pixel and pose error: what the camera sees is in the way.
     viewpoints
         How many were tried: the candidates, and what refining found.
     """
@@ -95,22 +95,23 @@ class Improvement:
 
 @dataclass(frozen=True)
 class CameraChoice:
-    """A sensor with a lens, and what the head has to be.
+    """A sensor with a lens, and how small the pose error has to be.
 
     Parameters
     ----------
     distance_mm
-        (nearest, farthest) that the candidates look from.
+        (nearest, farthest) of the candidates.
     met
-        How many characteristics are met with the head of today.
-    head
-        The largest factor of the head's errors with which the part is met; ``limited_by`` those characteristics for
-        which not even a head without error will do.
+        How many characteristics are met with the pose error of today.
+    pose_error
+        The largest factor of the pose error with which the part is met; ``limited_by`` are those characteristics that
+        are not met even without pose error.
     translation_mm, rotation_deg
-        The largest standard deviations with that factor; None where no head will do, or where it has no error today.
+        The largest standard deviations with that factor; None where no factor will do, or where there is no such error
+        today.
     pixel
-        With the head of today the coarsest step of the edge detector, px, with which the part is met; None where the
-        edge detector is ideal today.
+        With the pose error of today the coarsest step of the edge detector, px, with which the part is met; None where
+        the edge detector is ideal today.
     """
 
     sensor: SensorFormat
@@ -124,7 +125,7 @@ class CameraChoice:
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """A head that may be worse, then more characteristics met, then a coarser edge_detector: the best highest."""
+        """A larger pose error, then more characteristics met, then a coarser edge detector: the best is highest."""
         coarsest = 0.0 if self.pixel is None else self.pixel.factor or 0.0
         return (-1.0 if self.pose_error.factor is None else self.pose_error.factor, self.met, coarsest)
 
@@ -136,7 +137,7 @@ class Specification:
     Parameters
     ----------
     choices
-        Of every sensor and focal length for which there is a place to stand; fewest pixels, then shortest lens first.
+        Of every sensor and focal length for which a candidate is left; fewest pixels, then shortest lens first.
     characteristics
         How many there are to be met.
     """
@@ -147,7 +148,7 @@ class Specification:
 
     @property
     def best(self) -> tuple[CameraChoice, ...]:
-        """Of each sensor the lens with which the head may be worst."""
+        """Of each sensor the lens that allows the largest pose error."""
         by_sensor: dict[str, CameraChoice] = {}
         for choice in self.choices:
             before = by_sensor.get(choice.sensor.name)
@@ -157,5 +158,5 @@ class Specification:
 
     @property
     def smallest(self) -> CameraChoice | None:
-        """The camera of the fewest pixels with which the part is met with the head of today; None where none is."""
+        """The camera of the fewest pixels that meets the part with the pose error of today; None where none does."""
         return next((c for c in self.best if c.pose_error.factor is not None and c.pose_error.factor >= 1), None)

@@ -18,7 +18,7 @@ SHORT = 1e-3
 _PRECISION = SHORT / 4
 _SMALLEST, _LARGEST = 2.0**-10, 2.0**10
 
-Turned = Callable[[float], Evaluator]
+EvaluatorAt = Callable[[float], Evaluator]
 """The evaluator with an error multiplied by a factor; with 0 it is not there."""
 
 
@@ -63,13 +63,13 @@ def meeting(evaluator: Evaluator, T_part_camera: NDArray[np.float64]) -> NDArray
     some = accepted.probability > 0
     met = some & accepted.certain
     rows = np.flatnonzero((some & ~met).any(axis=1))
-    if len(rows):  # a closer look at what is not beyond doubt
+    if len(rows):  # what is not beyond doubt is evaluated in full
         table = evaluator.table(T_part_camera[rows])
         met[rows] = table.visible & (table.probability >= evaluator.required) & (table.validity == 0)
     return met
 
 
-def largest_factor(turned: Turned, T_part_camera: NDArray[np.float64]) -> Threshold:
+def largest_factor(evaluator_at: EvaluatorAt, T_part_camera: NDArray[np.float64]) -> Threshold:
     """The largest factor with which all characteristics of the evaluator are met, each from some viewpoint.
 
     A viewpoint from which nothing is met with one factor is not asked about larger ones: less of an error is better.
@@ -77,7 +77,7 @@ def largest_factor(turned: Turned, T_part_camera: NDArray[np.float64]) -> Thresh
     every = np.arange(len(T_part_camera))
 
     def asked(factor: float, rows: NDArray[np.int64]) -> NDArray[np.int64] | None:
-        met = meeting(turned(factor), T_part_camera[rows])
+        met = meeting(evaluator_at(factor), T_part_camera[rows])
         return rows[met.any(axis=1)] if met.any(axis=0).all() else None
 
     low, rows, found = 1.0, every, asked(1.0, every)

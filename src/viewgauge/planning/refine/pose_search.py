@@ -35,7 +35,7 @@ def moved_poses(
     T_part_camera, range_mm
         ``(..., 4, 4)`` mm and ``(...,)`` mm.
     moves
-        ``(..., 6)``: turn about the camera's x and y axis through that point, rad; logarithm of the factor on the
+        ``(..., 6)``: rotation about the camera's x and y axis through that point, rad; logarithm of the factor on the
         range; roll, rad; shift of the point along the image's x and y, as a share of the range.
     """
     moves = np.asarray(moves, dtype=float)
@@ -43,7 +43,7 @@ def moved_poses(
 
     turn = Rotation.from_rotvec(moves[..., [0, 1, 3]].reshape(-1, 3)).as_matrix().reshape(*moves.shape[:-1], 3, 3)
     distance = np.asarray(range_mm, dtype=float)
-    about = np.zeros((*moves.shape[:-1], 3))  # the camera seen from the point, in the turned frame
+    about = np.zeros((*moves.shape[:-1], 3))  # the camera seen from the point, in the rotated frame
     about[..., 0], about[..., 1] = moves[..., 4] * distance, moves[..., 5] * distance
     about[..., 2] = -distance * np.exp(moves[..., 2])
     ahead = np.zeros(about.shape)
@@ -62,7 +62,7 @@ Value = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class PoseSearch:
-    """How hard to look.
+    """How hard to search.
 
     Parameters
     ----------

@@ -1,15 +1,13 @@
-"""From the best of the sampled viewpoints to the best there is: fewer, and surer.
+"""From the best of the sampled viewpoints to the best there is: fewer, and more probable.
 
-Three things are tried in turn until none helps, each by searches over all poses that the region allows
-(:mod:`~viewgauge.planning.refine.pose_search`), from viewpoints at hand:
+Three steps are tried in turn, each by searches over all poses that the region allows
+(:mod:`~viewgauge.planning.refine.pose_search`), which start from the viewpoints at hand:
 
-- *reach*: a characteristic that no viewpoint measures as required gets searches of its own;
-- *fewer*: viewpoints are looked for that would make the cover smaller, those that hold characteristics worth more than
-one
-  viewpoint by the prices of the linear relaxation (column generation), and those that could take the place of two;
-- *surer*: each chosen viewpoint is moved to where the weakest of what it measures is most probable; viewpoints are
-looked for that
-  are worth more than one at a higher requirement.
+- *reach*: each characteristic that no viewpoint measures as required gets searches of its own;
+- *surer*: each chosen viewpoint moves to where the weakest of what it measures is most probable, and viewpoints are
+  sought that are worth more than one at a higher requirement;
+- *fewer*: viewpoints are sought that make the cover smaller: those that hold characteristics worth more than one
+  viewpoint by the prices of the linear relaxation (column generation), and those that can replace two.
 
 Whatever is found joins the viewpoints to choose from, and the cover is chosen again.
 """
@@ -21,7 +19,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,28 +26,21 @@ from numpy.typing import NDArray
 from ...evaluation import Evaluator
 from ..cover.prices import characteristic_prices
 from ..cover.viewpoint_pool import ViewpointPool
+from ..region import Region
 from .pose_search import PoseSearch
 
-__all__ = ["AllowedPositions", "Refinement", "RefinementStep", "Refiner"]
+__all__ = ["Refinement", "RefinementStep", "Refiner"]
 
 _WIDE, _NEAR, _CLOSE = PoseSearch(64, 12, 2.0), PoseSearch(64, 24, 1.0), PoseSearch(192, 40, 0.5)
 _STARTS = 24  # of a search, of the viewpoints at hand
-_OTHERS = 11  # viewpoints from which a better place of one is looked for, beside its own
-_PAIRS = 30  # of viewpoints that may become one: no more are looked into
-_ROUNDS = 6  # of looking for fewer without finding
+_OTHERS = 11  # viewpoints from which a better pose of one is sought, beside its own
+_PAIRS = 30  # of viewpoints that may become one: no more are tried
+_ROUNDS = 6  # of searching for fewer in vain
 _WORTH_MORE = 1e-6  # than one viewpoint
 _STEP = 1e-4  # of the weakest characteristic's probability, from which a change is worth another round
 _RAISED = 0.1  # of what lies between the weakest probability and 1: how much higher is asked for
 
 _Score = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-
-
-class AllowedPositions(Protocol):
-    """Where the centre of projection may stand."""
-
-    def allowed(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """``(n,)`` of positions ``(n, 3)`` mm, part frame."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -77,7 +67,7 @@ class Refinement:
     generated
         How many viewpoints found here were kept to choose from.
     finished
-        It ended because nothing helped any more, not because the time was up or somebody stopped it.
+        It ended because nothing helped any more, not because the time was up or it was interrupted.
     """
 
     steps: tuple[RefinementStep, ...]
@@ -94,7 +84,7 @@ class Refiner:
     evaluator
         Of all d characteristics.
     region
-        Where a viewpoint may stand.
+        Where a viewpoint may be.
     pool
         Viewpoints to choose from, at least those of the arrangement.
     measurand_middle
@@ -106,7 +96,7 @@ class Refiner:
     def __init__(
         self,
         evaluator: Evaluator,
-        region: AllowedPositions,
+        region: Region,
         required: float,
         pool: ViewpointPool,
         measurand_middle: NDArray[np.float64],
@@ -129,7 +119,7 @@ class Refiner:
         reached = self.pool.reached(self._required)
         best, steps, finished = (chosen, bound), [self._reported("sampled", chosen)], False
         try:
-            for name, step in (("reach", self._reach), ("surer", self._surer), ("fewer", self._fewer)):
+            for name, step in (("reach", self._reach), ("surer", self._more_probable), ("fewer", self._fewer)):
                 best = self._better(step(*best), best)
                 steps.append(self._reported(name, best[0]))
             finished = not self._late()
@@ -170,11 +160,11 @@ class Refiner:
             again = self._chosen_again((chosen, bound))
             idle = 0 if len(again[0]) < len(chosen) else idle + 1
             if not idle:
-                again = self._surer(*again)
+                again = self._more_probable(*again)
             chosen, bound = again
         return chosen, bound
 
-    def _surer(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int]:
+    def _more_probable(self, chosen: ViewpointPool, bound: int) -> tuple[ViewpointPool, int]:
         best = self._moved(chosen), bound
         while len(best[0]) and not self._late():
             weakest = best[0].weakest(self._required)
@@ -207,9 +197,7 @@ class Refiner:
         return chosen
 
     def _replaced(self, chosen: ViewpointPool, k: int, mine: NDArray[np.int64], score: _Score) -> ViewpointPool:
-        """Viewpoint k where it scores best, looked for from where it is and from the best others for what it
-        measures.
-        """
+        """Viewpoint k where it scores best, sought from where it is and from the best others for what it measures."""
         order = np.argsort(-score(self.pool.probability[:, mine]), kind="stable")[:_OTHERS]
         starts = chosen.taken(np.array([k])).joined(self.pool.taken(order))
         found = self._searched(starts, mine, score, _NEAR)
@@ -219,7 +207,7 @@ class Refiner:
         return others.taken(np.insert(rows[:-1], k, len(rows) - 1))
 
     def _price(self, threshold: float) -> bool:
-        """Look for viewpoints worth more than one; whether there was any."""
+        """Search for viewpoints worth more than one; whether there was any."""
         pool = self.pool.taken(self.pool.worthwhile(self._required))
         reached = self.pool.reached(self._required)
         if not len(reached):
@@ -235,7 +223,7 @@ class Refiner:
         return bool(((found.probability[:, worth] >= threshold) @ price > 1 + _WORTH_MORE).any())
 
     def _merge(self, chosen: ViewpointPool) -> None:
-        """Look for viewpoints that take the place of two of the chosen ones, of those first that measure the least."""
+        """Search for viewpoints that replace two of the chosen ones, first of those that measure the least."""
         owner, met = chosen.measured_from(), chosen.best() >= self._required
         pairs = itertools.combinations(range(len(chosen)), 2)
         of_both = [np.flatnonzero(met & np.isin(owner, pair)) for pair in pairs]
@@ -260,7 +248,7 @@ class Refiner:
 
         def value(poses: NDArray[np.float64]) -> NDArray[np.float64]:
             values = np.full(len(poses), -np.inf)
-            allowed = np.flatnonzero(self._region.allowed(poses[:, :3, 3]))
+            allowed = np.flatnonzero(self._region.allows(poses))
             if len(allowed):
                 values[allowed] = score(evaluator.probabilities(poses[allowed]))
             return values
@@ -270,9 +258,9 @@ class Refiner:
         distance = np.linalg.norm(ahead, axis=1)
         depth = np.einsum("ni,ni->n", ahead, poses[:, :3, 2])
         poses, _ = search.best(poses, np.maximum(depth, 0.2 * distance), value, self._rng)
-        return ViewpointPool(poses, self._sure(poses))
+        return ViewpointPool(poses, self._certain_probability(poses))
 
-    def _sure(self, poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _certain_probability(self, poses: NDArray[np.float64]) -> NDArray[np.float64]:
         """Probabilities of all characteristics; 0 where the small-error model does not answer for one."""
         table = self._evaluator.table(poses)
         return np.where(table.visible & (table.validity == 0), table.probability, 0.0)
@@ -283,7 +271,7 @@ class Refiner:
         return self._of[characteristics]
 
     def _add(self, found: ViewpointPool) -> None:
-        """To the pool what no viewpoint there makes needless."""
+        """Add to the pool what no viewpoint there makes needless."""
         some = found.taken(np.flatnonzero((found.probability >= self._required).any(axis=1)))
         joined = self.pool.joined(some)
         kept = joined.worthwhile(self._required)
@@ -296,7 +284,7 @@ class Refiner:
         return self._better(cover, best)
 
     def _better(self, a: tuple[ViewpointPool, int], b: tuple[ViewpointPool, int]) -> tuple[ViewpointPool, int]:
-        """The arrangement that meets more, with fewer viewpoints, surer; of equal ones the latter."""
+        """The one that meets more, then has fewer viewpoints, then is more probable; of equal ones the latter."""
         return a if self._rank(a[0]) > self._rank(b[0]) else b
 
     def _rank(self, chosen: ViewpointPool) -> tuple[float, ...]:

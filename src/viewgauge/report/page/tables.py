@@ -17,7 +17,11 @@ from ..wording import DASH, element, length, probability, tolerance
 
 __all__ = ["characteristic_table", "fact_table", "markup_table", "viewpoint_table"]
 
-STATUS_WORDS: dict[Status, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
+STATUS_WORDS = {
+    Status.NOT_MET: "not met",
+    Status.NOT_MEASURABLE: "not measurable",
+    Status.MET: "met",
+}
 
 
 def markup_table(pose_error: Sequence[tuple[str, str]], rows: Iterable[str]) -> str:
