@@ -44,9 +44,7 @@ def displacement_covariance_at_camera(error, point):
 
 @settings(deadline=None)
 @given(pose_covariances(), rigid_poses(), points_in_front())
-def test_the_error_moves_points_alike_reported_in_its_own_or_in_the_camera_frame(
-    covariance, T_camera_frame, point
-):
+def test_the_error_moves_points_alike_reported_in_its_own_or_in_the_camera_frame(covariance, T_camera_frame, point):
     error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     expected = displacement_covariance_by_force(covariance, T_camera_frame, point)
     actual = displacement_covariance_at_camera(error, point)
