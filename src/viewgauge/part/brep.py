@@ -131,7 +131,7 @@ class PmiRecord:
 
 @dataclass(frozen=True)
 class Brep:
-    """A solid's faces, edges, occlusion mesh and PMI records.
+    """A solid with its faces, edges, occlusion mesh and PMI records.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class Brep:
     notes
         What the user should know about the reading, one sentence each (such as "no semantic PMI: geometry only").
     plus_minus_count
-        PLUS_MINUS_TOLERANCE entities of the file, to hold the reading against.
+        Number of PLUS_MINUS_TOLERANCE entities in the file, with which the reading can be compared.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""All measurands of a part as arrays, for vectorised evaluation."""
+"""All pairs of points by which a part is measured as arrays, for vectorised evaluation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["MeasurandTable"]
 
 @dataclass(frozen=True)
 class MeasurandTable:
-    """The g measurands of d characteristics, those of one characteristic next to each other.
+    """The g measurands of d characteristics, all of them pairs of points, those of one characteristic together.
 
     Parameters
     ----------
