@@ -91,3 +91,16 @@ def pose_covariances():
         st.integers(0, 5).map(lambda axis: np.diag(np.eye(6)[axis] * 1e-4)),
         st.builds(covariance, st.integers(1, 6).flatmap(factors), deviations),
     )
+
+
+def point_pairs():
+    """Two different points ``(2, 3)`` in mm: along an axis, askew, far from the origin, a hair apart, far apart."""
+    coordinate = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0, 1e6]), st.floats(-1e3, 1e3))
+    points = st.tuples(*[coordinate] * 3).map(np.array)
+    directions = st.one_of(
+        st.sampled_from([[1.0, 0, 0], [0, -1.0, 0], [0, 0, 1.0]]).map(np.array),
+        st.tuples(*[st.floats(-1, 1)] * 3).map(np.array),
+    )
+    apart = st.one_of(st.sampled_from([1e-9, 1e-3, 1.0, 1e6]), st.floats(1e-3, 1e3))
+    pairs = st.builds(lambda start, along, length: np.array([start, start + length * along]), points, directions, apart)
+    return pairs.filter(lambda pair: (pair[0] != pair[1]).any())

@@ -11,7 +11,7 @@ import xarray as xr
 from viewgauge.evaluation import COLUMNS, Requirement, Setup, as_dataset
 from viewgauge.evaluation.evaluator import Evaluator
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
 from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, ObservationLimits
 
@@ -32,8 +32,8 @@ def block(*boxes) -> Mesh:
 STEPPED = block([[0, 0, 0], [100, 60, 20]], [[0, 0, 0], [60, 60, 40]])
 
 
-def measurand(start, end, normals=UP) -> Measurand:
-    return Measurand(*(np.array(a, dtype=float) for a in (start, end, normals, normals)))
+def measurand(start, end, normals=UP) -> LengthBetweenPoints:
+    return LengthBetweenPoints(*(np.array(a, dtype=float) for a in (start, end, normals, normals)))
 
 
 def characteristic(name, *measurands, nominal=None, tolerance=(-0.1, 0.1), observed="ends") -> Characteristic:

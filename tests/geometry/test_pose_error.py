@@ -44,9 +44,7 @@ def displacement_covariance_at_camera(error, point):
 
 @settings(deadline=None)
 @given(pose_covariances(), rigid_poses(), points_in_front())
-def test_the_error_moves_points_alike_reported_in_the_pose_error_or_in_the_camera_frame(
-    covariance, T_camera_frame, point
-):
+def test_the_error_moves_points_alike_reported_in_its_own_or_in_the_camera_frame(covariance, T_camera_frame, point):
     error = vg.PoseError(covariance, T_camera_frame=T_camera_frame)
     expected = displacement_covariance_by_force(covariance, T_camera_frame, point)
     actual = displacement_covariance_at_camera(error, point)
@@ -79,7 +77,7 @@ def test_without_a_pivot_the_error_acts_at_the_centre_of_projection():
 
 
 def test_turning_about_a_pivot_moves_the_camera_by_the_lever_arm():
-    # rotation about the head's y axis, head 100 mm behind the camera: x moves by 100 mm times the angle
+    # rotation about the y axis of a frame 100 mm behind the camera: x moves by 100 mm times the angle
     error = vg.PoseError.from_standard_deviations(0.0, [0.0, 1e-3, 0.0], pivot_mm=(0.0, 0.0, -100.0))
     assert error.camera_covariance[0, 0] == pytest.approx((100 * 1e-3) ** 2)
     assert error.camera_covariance[0, 4] == pytest.approx(100 * 1e-6), "with the sign of the turn"
@@ -167,8 +165,7 @@ def test_a_pose_error_frame_that_is_none_is_refused(frame, telling):
         vg.PoseError(FULL, **frame)
 
 
-# --- the part that is common to all acquisitions
-# -----------------------------------------------------------------------
+# --- the part that is common to all acquisitions --------------------------------------------------------------------
 
 
 @settings(deadline=None)

@@ -23,7 +23,7 @@ def rotation_by_formula(q):
 
 
 @given(coordinates, coordinates, rolls)
-def test_acquisition_at_puts_the_target_on_the_optical_axis_with_z_forward(eye, target, roll):
+def test_look_at_puts_the_target_on_the_optical_axis_with_z_forward(eye, target, roll):
     distance = math.dist(eye, target)
     assume(distance > 1e-3)
     T_part_camera = require_poses(look_at(eye, target, roll))
@@ -52,7 +52,7 @@ def test_roll_turns_the_camera_clockwise_about_its_axis():
     np.testing.assert_allclose(rolled[:3, 2], level[:3, 2], atol=1e-15)
 
 
-def test_acquisition_at_broadcasts_eyes_targets_and_rolls():
+def test_look_at_broadcasts_eyes_targets_and_rolls():
     eyes = np.array([[0.0, -100, 0], [100, 0, 0], [0, 0, 100]])[:, None]
     T = look_at(eyes, np.zeros(3), np.array([0.0, 1.0]))
     assert T.shape == (3, 2, 4, 4)
@@ -70,7 +70,7 @@ def test_acquisition_at_broadcasts_eyes_targets_and_rolls():
         ([1, 0], [0, 0, 0], "3 numbers"),
     ],
 )
-def test_a_camera_that_acquisitions_nowhere_is_refused(eye, target, telling):
+def test_a_camera_that_looks_nowhere_is_refused(eye, target, telling):
     with pytest.raises(vg.InputError, match=telling):
         look_at(eye, target)
 

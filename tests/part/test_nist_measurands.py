@@ -26,7 +26,7 @@ EXPECTED = {
     "nist_ctc_05": (
         {"diameter": 1, "distance": 1},
         {
-            f"{way} Characteristic ({n})"
+            f"{way} Dimension ({n})"
             for way, n in (("Horizontal", 35), ("Horizontal", 39), ("Vertical", 37), ("Vertical", 41))
         },
     ),

@@ -4,7 +4,7 @@ import numpy as np
 
 from viewgauge.evaluation import success_probability
 from viewgauge.geometry import invert, look_at, transform, view_block
-from viewgauge.part import Characteristic, Measurand
+from viewgauge.part import Characteristic, LengthBetweenPoints
 from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.visibility import VISIBLE, Culling
 
@@ -40,7 +40,7 @@ class Shell:
 def measurand(start, end, normals=EVERY_WAY, end_normals=None):
     """Between two points; without normals seen from everywhere."""
     end_normals = normals if end_normals is None else end_normals
-    return Measurand(*(np.array(v, dtype=float) for v in (start, end, normals, end_normals)))
+    return LengthBetweenPoints(*(np.array(v, dtype=float) for v in (start, end, normals, end_normals)))
 
 
 def characteristic(name, *measurands):

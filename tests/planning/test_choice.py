@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from viewgauge.evaluation import BestRows, CapabilityRequirement, Requirement, TableBlock
-from viewgauge.part import Characteristic, Measurand, NotMeasurable
+from viewgauge.part import Characteristic, LengthBetweenPoints, NotMeasurable
 from viewgauge.planning import (
     ChosenViewpoints,
     NotMetFindings,
@@ -25,7 +25,7 @@ REQUIRED = Requirement("error", 0.05, 0.9)
 
 def characteristic(name, count=2, tolerance=(-0.1, 0.1)):
     up = np.array([[0.0, 0, 1]])
-    made = tuple(Measurand(np.array([0.0, k, 0]), np.array([10.0, k, 0]), up, up) for k in range(count))
+    made = tuple(LengthBetweenPoints(np.array([0.0, k, 0]), np.array([10.0, k, 0]), up, up) for k in range(count))
     return Characteristic(name, "length", 10.0, tolerance, made)
 
 

@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from viewgauge.evaluation import Evaluator, Requirement, Setup
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
 from viewgauge.planning.improve.knobs import KNOBS, Rig, scaled_pose_error
 from viewgauge.planning.improve.least_change import SHORT, largest_factor, meeting, met_interval
 from viewgauge.sensors import Camera
@@ -25,7 +25,7 @@ PLATE = Mesh(
 )
 UP = np.array([[0.0, 0.0, 1.0]])
 ENDS = np.array([[-LENGTH / 2, 0, 0], [LENGTH / 2, 0, 0]])
-BAR = Characteristic("bar", "measurand", LENGTH, (-0.2, 0.2), (Measurand(ENDS[0], ENDS[1], UP, UP),))
+BAR = Characteristic("bar", "measurand", LENGTH, (-0.2, 0.2), (LengthBetweenPoints(ENDS[0], ENDS[1], UP, UP),))
 # straight above, image columns along the bar
 ABOVE = look_at(np.array([[0.0, 0.0, DEPTH]]), np.zeros((1, 3)), np.zeros(1))
 
@@ -97,7 +97,7 @@ def test_what_no_factor_helps_has_none():
 def test_all_characteristics_each_from_its_own_viewpoint():
     # two bars, of which each viewpoint sees one; the part is met as long as both are
     far = np.array([[-LENGTH / 2, 5, 0], [LENGTH / 2, 5, 0]])
-    other = replace(BAR, id="other", measurands=(Measurand(far[0], far[1], -UP, -UP),))
+    other = replace(BAR, id="other", measurands=(LengthBetweenPoints(far[0], far[1], -UP, -UP),))
     below = POSE.copy()
     below[0, :3, :3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     below[0, 2, 3] = -400.0

@@ -13,7 +13,7 @@ from planning_strategies import acceptances
 
 from viewgauge.evaluation import Evaluator, Requirement, Setup
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
 from viewgauge.planning import Refiner, ViewpointPool
 from viewgauge.planning.cover.prices import characteristic_prices
 from viewgauge.planning.refine import refinement as refinement_module
@@ -46,7 +46,7 @@ class InBox:
 def measurand(name, start, end):
     ends = np.array([start, end], dtype=float)
     length = float(np.linalg.norm(ends[1] - ends[0]))
-    return Characteristic(name, "measurand", length, (-0.2, 0.2), (Measurand(ends[0], ends[1], UP, UP),))
+    return Characteristic(name, "measurand", length, (-0.2, 0.2), (LengthBetweenPoints(ends[0], ends[1], UP, UP),))
 
 
 NEAR = (measurand("A", [-20, -10, 0], [20, -10, 0]), measurand("B", [0, -15, 0], [0, 18, 0]))

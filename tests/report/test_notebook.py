@@ -8,7 +8,7 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.evaluation import MeasurandLaws, as_dataset
-from viewgauge.part import Characteristic, Measurand
+from viewgauge.part import Characteristic, LengthBetweenPoints
 from viewgauge.planning.compose import Plan, PlannedCharacteristic, PlannedViewpoint
 
 MEASURAND = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
@@ -85,7 +85,7 @@ def test_laws_of_a_characteristic():
 
 
 def test_a_table_is_a_map():
-    measurand = Measurand(MEASURAND[0], MEASURAND[1], np.eye(3)[:1], np.eye(3)[:1])
+    measurand = LengthBetweenPoints(MEASURAND[0], MEASURAND[1], np.eye(3)[:1], np.eye(3)[:1])
     characteristics = [Characteristic(name, "measurand", 10.0, None, (measurand,)) for name in ("a", "b")]
     columns = {"probability": np.array([[0.97, 0.0], [0.4, 0.99]]), "reason": np.array([[6, 5], [6, 6]])}
     table = as_dataset(columns, ["S1", "S2"], characteristics, np.array([0.1, 0.1]), {"required_probability": 0.95})

@@ -12,7 +12,7 @@ from box_solids import BOX, POCKET, SLOTTED, STEPPED, BoxSolid, edge_points
 
 from viewgauge.exceptions import InputError
 from viewgauge.geometry import VIEWS, look_at, view_block
-from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
 from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.sensors import Camera
 from viewgauge.visibility import REASONS, VISIBLE, ObservationLimits, Occluder, SightLines, observe
@@ -30,7 +30,12 @@ def measurands(*pairs, observed="ends"):
     return MeasurandTable.of(
         [
             Characteristic(
-                str(k), "measurand", 1.0, None, (Measurand(*(np.array(a, dtype=float) for a in pair)),), observed
+                str(k),
+                "measurand",
+                1.0,
+                None,
+                (LengthBetweenPoints(*(np.array(a, dtype=float) for a in pair)),),
+                observed,
             )
             for k, pair in enumerate(pairs)
         ]

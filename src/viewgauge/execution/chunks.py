@@ -17,8 +17,7 @@ from ..evaluation import BestRows, Evaluator, Setup, TableBlock
 from ..evaluation.segment import FirstOrderMethod
 from ..exceptions import InputError, NoCandidateError
 from ..geometry import invert, transform
-from ..part import Characteristic, Mesh
-from ..part.characteristic import rim_axes
+from ..part import Characteristic, Mesh, rim_axes
 from ..part.measurand_table import MeasurandTable
 from ..planning import CandidateGrid, Undominated, probability_levels
 from ..planning.inspection import ExplicitViewpoints, Inspection

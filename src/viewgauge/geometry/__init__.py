@@ -1,4 +1,4 @@
-"""Poses, the camera and its lens, the pose error and its effect on image points."""
+"""Poses, lens distortion, the pose error and its first-order effect on image points."""
 
 from .image_jacobian import point_jacobian
 from .lens import Lens

@@ -16,9 +16,9 @@ def point_jacobian(points: ArrayLike, focal_length_mm: float) -> NDArray[np.floa
         J_u = (f/Z) [1, 0, -X/Z, -X Y/Z,      Z + X²/Z, -Y]
         J_v = (f/Z) [0, 1, -Y/Z, -Z - Y²/Z,   X Y/Z,     X]
 
-    The error acts at the centre of projection; an error in another pose error frame is brought there by
-    :attr:`PoseError.camera_covariance`. These are the derivatives of eq. (7) and (8) with the sign of the
-    paper's lambda_20 corrected.
+    The error acts at the centre of projection; one that acts in another frame is brought there by
+    :attr:`PoseError.adjoint` and :attr:`PoseError.camera_covariance`. These are the derivatives of eq. (7) and (8) with
+    the sign of the paper's lambda_20 corrected.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
-"""Lens distortion: where a lens puts what a pinhole camera would see elsewhere.
+"""Lens distortion: where a lens shows a point that a pinhole camera would show elsewhere.
 
-All in tangents of image directions, ``(x, y) = (X, Y)/Z``. Two models, with the coefficients in OpenCV's order:
+Points are tangents of image directions, ``(x, y) = (X, Y)/Z``. There are two models, with their coefficients in the
+order of OpenCV:
 
 ``radial-tangential`` (Brown 1971 with the rational radial part and the thin prism of Weng 1992): k1, k2, p1, p2, k3,
 k4, k5, k6, s1, s2, s3, s4, of which the first 4, 5, 8 or 12 are given; ROS calls it plumb_bob and rational_polynomial,
@@ -43,7 +44,7 @@ class Lens:
     model
         "radial-tangential" or "equidistant".
     coefficients
-        4, 5, 8 or 12 of the former, 4 of the latter; without unit.
+        4, 5, 8 or 12 numbers for the former model, 4 for the latter; without unit.
 
     Raises
     ------
@@ -69,12 +70,12 @@ class Lens:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the coefficients."""
+        """Names of the coefficients, in order."""
         return COEFFICIENTS[self.model][: len(self.coefficients)]
 
     @property
     def parameters(self) -> NDArray[np.float64]:
-        """``(13,)``, for compiled code: 0 or 1 for the model, and all coefficients."""
+        """``(13,)``, for compiled code: the model (0 or 1), then its coefficients, padded with zeros."""
         parameters = np.zeros(1 + _MOST)
         parameters[0] = list(COEFFICIENTS).index(self.model)
         parameters[1 : 1 + len(self.coefficients)] = self.coefficients
@@ -99,7 +100,8 @@ class Lens:
     def undistort(self, points: ArrayLike) -> NDArray[np.float64]:
         """``(..., 2)``: the points that the lens puts there, to 1e-13; NaN where the lens puts none there.
 
-        By Newton's method from the centre outwards, so that of several the one is found that joins the centre.
+        Newton's method goes from the centre outwards, so that of several such points the one is found that is joined to
+        the centre.
         """
         p = np.asarray(points, dtype=float)
         out = np.empty((p.size // 2, 2))
@@ -122,7 +124,7 @@ def distort_each(parameters: NDArray[np.float64], points: NDArray[np.float64]) -
 
 @numba.njit(error_model="numpy")
 def distorted(lens, x, y):  # type: ignore[no-untyped-def]
-    """Of one point: its place, and the derivatives dx/dx, dx/dy, dy/dx, dy/dy of it (compiled; see :class:`Lens`)."""
+    """The place of one point, and its derivatives dx/dx, dx/dy, dy/dx, dy/dy (compiled; see :class:`Lens`)."""
     rr = x * x + y * y
     if lens[0] == 1.0:
         k1, k2, k3, k4 = lens[1], lens[2], lens[3], lens[4]
@@ -155,7 +157,7 @@ def distorted(lens, x, y):  # type: ignore[no-untyped-def]
 
 @numba.njit(error_model="numpy")
 def coefficient_derivatives(lens, x, y, out):  # type: ignore[no-untyped-def]
-    """Of one point, into ``(2, 12)``: derivative of its place with respect to each coefficient (compiled)."""
+    """Write the derivatives of one point's place with respect to each coefficient into ``(2, 12)`` (compiled)."""
     rr = x * x + y * y
     if lens[0] == 1.0:
         r = math.sqrt(rr)

@@ -1,4 +1,4 @@
-"""The pose error that carries the camera."""
+"""The error of the camera's pose, with the frame in which it acts."""
 
 from __future__ import annotations
 
@@ -18,29 +18,30 @@ _UNDERFLOWS = 1e-150  # when squared
 
 @dataclass(frozen=True, eq=False)  # arrays do not compare to one truth value
 class PoseError:
-    """A normally distributed small error of the head's pose (paper, eq. 6 and 9).
+    """A normally distributed small error of the camera's pose (paper, eq. 6 and 9).
 
-    A point of the scene, seen from the head, moves by ``delta x q + d`` where q is its position from the head
-    frame's origin: (d, delta) is a perturbation on the left, in the pose error frame.
+    The error is stated in the frame in which it acts, such as that of a robot's flange, the *pose error frame*. A point
+    of the scene at position q in that frame is displaced by ``delta x q + d``: (d, delta) is a perturbation on the
+    left.
 
     Parameters
     ----------
     covariance
-        ``(6, 6)`` covariance of [x, y, z, rx, ry, rz], mm and rad, translation first, pose error frame, left
-        perturbation.
+        ``(6, 6)`` covariance of [x, y, z, rx, ry, rz], mm and rad, translation first, in the frame in which the error
+        acts, left perturbation.
     pivot_mm
-        ``(3,)`` mm: origin of the pose error frame in the camera frame, axes parallel to the camera's.
+        ``(3,)`` mm, camera frame: origin of the frame in which the error acts, its axes parallel to the camera's.
     T_camera_frame
-        ``(4, 4)`` full pose of the pose error frame in the camera frame, in place of ``pivot_mm``.
+        ``(4, 4)`` pose of the frame in which the error acts, in the camera frame, in place of ``pivot_mm``.
     common_covariance
-        ``(6, 6)``: the part of ``covariance`` that is the same error at every acquisition (calibration, hand-eye), same
-        frame and order; None where nothing is said of it. What it leaves is drawn anew at each acquisition.
+        ``(6, 6)``: the part of ``covariance`` that is the same error in every acquisition (calibration, hand-eye), same
+        frame and order; None where it is not stated. The rest is drawn anew in each acquisition.
 
     Raises
     ------
     InputError
-        If a covariance is not a finite, symmetric, positive semidefinite 6x6 matrix, the common part is not part of
-        the whole, or the pose is not rigid.
+        If a covariance is not a finite, symmetric, positive semidefinite 6x6 matrix, if the common part is more than
+        the whole, or if the pose is not rigid.
     """
 
     covariance: NDArray[np.float64]
@@ -91,17 +92,18 @@ class PoseError:
 
     @property
     def repeatability_covariance(self) -> NDArray[np.float64] | None:
-        """``(6, 6)``, pose error frame: what is drawn anew at each acquisition; None where the common part is not
-        stated.
+        """``(6, 6)``, pose error frame: covariance of the error that is drawn anew in each acquisition.
+
+        None where the common part is not stated.
         """
         return None if self.common_covariance is None else self.covariance - self.common_covariance
 
     @property
     def adjoint(self) -> NDArray[np.float64]:
-        """``(6, 6)``: a pose error in the pose error frame as it acts at the centre of projection, camera frame.
+        """``(6, 6)``: takes an error in the pose error frame to the same error at the centre of projection.
 
-        [[R, [o]x R], [0, R]] with R, o the rotation and origin of ``T_camera_frame``: the adjoint of the pose, for
-        translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
+        The result is in the camera frame. It is the adjoint of ``T_camera_frame`` with rotation R and origin o,
+        [[R, [o]x R], [0, R]] for translation-first vectors (Lynch and Park, *Modern Robotics*, sec. 3.3.2).
         """
         assert self.T_camera_frame is not None  # set in __post_init__
         R = self.T_camera_frame[:3, :3]
@@ -112,20 +114,20 @@ class PoseError:
 
     @property
     def camera_covariance(self) -> NDArray[np.float64]:
-        """The same error as it acts at the camera's centre of projection, camera frame: ``A Sigma A^T``, (6, 6)."""
+        """``(6, 6)``, camera frame: covariance of the same error at the centre of projection, ``A Sigma A^T``."""
         return np.asarray(self.adjoint @ self.covariance @ self.adjoint.T)
 
     @property
     def factor(self) -> NDArray[np.float64]:
-        """``(6, 6)`` F with ``F F^T`` the covariance: F z is a pose error, pose error frame, of six unit normals z.
+        """``(6, 6)`` F with ``F F^T`` the covariance: F z is a drawn error, pose error frame, for six unit normals z.
 
-        Its columns are mm (rows 0 to 2) and rad (rows 3 to 5) per unit normal.
+        Rows 0 to 2 are mm and rows 3 to 5 rad per unit normal.
         """
         return covariance_factor(self.covariance)
 
 
 def covariance_factor(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(6, 6)`` F with ``F F^T`` a covariance ``(6, 6)``; what rounding makes negative in it counts as nothing."""
+    """``(6, 6)`` F with ``F F^T`` a covariance ``(6, 6)``; eigenvalues that rounding makes negative count as zero."""
     # the correlation matrix is factored, not the covariance: mm would drown rad in rounding errors
     deviations = np.sqrt(np.maximum(covariance.diagonal(), 0.0))
     scale = np.where(deviations > _UNDERFLOWS, deviations, 1.0)
@@ -144,8 +146,8 @@ def _require_part(common: NDArray[np.float64], covariance: NDArray[np.float64]) 
         raise InputError(
             "the common covariance is more than the covariance of which it is a part",
             key="common_covariance",
-            got=f"smallest eigenvalue of what it leaves {smallest:.3g}, in units of the whole's variances",
-            expected="covariance = common + what is drawn anew at each acquisition, both without negative eigenvalue",
+            got=f"smallest eigenvalue of the rest {smallest:.3g}, in units of the whole's variances",
+            expected="covariance = common + rest (drawn anew in each acquisition), both without negative eigenvalue",
         )
 
 

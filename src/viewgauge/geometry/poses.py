@@ -80,9 +80,9 @@ def pose_from_quaternion(position_mm: ArrayLike, quaternion_wxyz: ArrayLike) -> 
             got=f"norm {np.atleast_1d(norm)[np.argmax(np.abs(np.atleast_1d(norm) - 1))]:.6g}",
             expected="norm 1 within 1e-4, order w, x, y, z",
         )
-    R = Rotation.from_quat(np.roll(q.reshape(-1, 4), -1, axis=1)).as_matrix()
+    turn = Rotation.from_quat(q.reshape(-1, 4), scalar_first=True)
     T = np.zeros((*q.shape[:-1], 4, 4))
-    T[..., :3, :3] = R.reshape(*q.shape[:-1], 3, 3)
+    T[..., :3, :3] = turn.as_matrix().reshape(*q.shape[:-1], 3, 3)
     T[..., :3, 3] = position
     T[..., 3, 3] = 1.0
     return T
@@ -92,8 +92,8 @@ def quaternion_from_pose(T_a_b: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit quaternions ``(..., 4)``, scalar first and not negative, of poses ``(..., 4, 4)``."""
     from scipy.spatial.transform import Rotation  # late, as above
 
-    xyzw = Rotation.from_matrix(T_a_b[..., :3, :3].reshape(-1, 3, 3)).as_quat(canonical=True)
-    return np.asarray(np.roll(xyzw, 1, axis=1).reshape(*T_a_b.shape[:-2], 4))
+    turn = Rotation.from_matrix(T_a_b[..., :3, :3].reshape(-1, 3, 3))
+    return np.asarray(turn.as_quat(canonical=True, scalar_first=True).reshape(*T_a_b.shape[:-2], 4))
 
 
 def _vectors(name: str, vectors: ArrayLike, length: int) -> NDArray[np.float64]:

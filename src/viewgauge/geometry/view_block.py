@@ -15,7 +15,7 @@ and need not ask whether they overlap; 256 poses (30 KiB) stay in the first-leve
 
 
 def view_block(T_part_camera: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Up to 256 poses ``(n, 4, 4)`` mm as rows of one array ``(15 * 256,)``; what is beyond n is zero.
+    """Up to 256 poses ``(n, 4, 4)`` mm as rows of one array ``(15 * 256,)``; entries beyond n are zero.
 
     With ``k = 256 r + s`` the entry k is that of pose s in row r. Rows 0 to 8: the rotation part of ``T_camera_part``,
     row by row; 9 to 11: its translation, mm; 12 to 14: the centre of projection in the part frame, mm.

@@ -11,8 +11,7 @@ from ..evaluation import CapabilityFigures, capability_figures, image_segment, s
 from ..evaluation.error_budget import ErrorBudget, averaged_error_budget, error_budget
 from ..evaluation.requirement.capability_indices import SIGMAS
 from ..geometry import invert, transform
-from ..part import Characteristic
-from ..part.characteristic import rim_axes
+from ..part import Characteristic, rim_axes
 from ..planning import Plan, PlannedCharacteristic
 from ..planning.inspection import Inspection
 

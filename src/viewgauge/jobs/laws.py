@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..evaluation import MeasurandLaws
 from ..geometry import PoseError, invert, transform
-from ..part.characteristic import Measurand, rim_axes
+from ..part import PointPair, rim_axes
 from ..planning import Plan
 from ..planning.inspection import Inspection
 from ..sensors import Camera
@@ -42,7 +42,7 @@ def measurand_laws(inspection: Inspection, plan: Plan) -> dict[str, MeasurandLaw
 
 def laws_of_acquisition(
     ends_mm: NDArray[np.float64],
-    measurand: Measurand | None,
+    measurand: PointPair | None,
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     pose_error: PoseError,

@@ -92,7 +92,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class PmiRecord:
-    """One characteristic of the semantic PMI, as written in the file.
+    """One toleranced quantity of the semantic PMI, as written in the file.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class PmiRecord:
     kind
         "distance" between two sets of features (DIMENSIONAL_LOCATION), "length" of one feature or between
         the opposite features of one (DIMENSIONAL_SIZE that is no diameter), "diameter", "radius", "angle",
-        or "other".
+        "other", or another kind for which a deriver is registered.
     label
         The file's own word for the characteristic (for messages), such as "linear distance" or "diameter".
     nominal_mm
@@ -115,7 +115,7 @@ class PmiRecord:
     """
 
     name: str
-    kind: PmiKind
+    kind: PmiKind | str
     label: str
     nominal_mm: float
     tolerance_mm: tuple[float, float] | None
@@ -123,10 +123,15 @@ class PmiRecord:
     second: tuple[Reference, ...] = ()
     problem: str = ""
 
+    @property
+    def unit(self) -> str:
+        """Unit of the nominal value and the tolerance: "rad" for an angle, "mm" for all else."""
+        return "rad" if self.kind == "angle" else "mm"
+
 
 @dataclass(frozen=True)
 class Brep:
-    """A solid's faces, edges, occlusion mesh and PMI PMI records.
+    """A solid with its faces, edges, occlusion mesh and PMI records.
 
     Parameters
     ----------
@@ -135,7 +140,7 @@ class Brep:
     notes
         What the user should know about the reading, one sentence each (such as "no semantic PMI: geometry only").
     plus_minus_count
-        PLUS_MINUS_TOLERANCE entities of the file, to hold the reading against.
+        Number of PLUS_MINUS_TOLERANCE entities in the file, with which the reading can be compared.
     """
 
     name: str

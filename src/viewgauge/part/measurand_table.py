@@ -1,4 +1,4 @@
-"""All measurands of a part as arrays, for vectorised evaluation."""
+"""All pairs of points by which a part is measured as arrays, for vectorised evaluation."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exceptions import InputError
 from .characteristic import Characteristic
+from .measurands import PointPair
+from .measurands.diameter import stacked_rim_axes
 
 __all__ = ["MeasurandTable"]
 
 
 @dataclass(frozen=True)
 class MeasurandTable:
-    """The g measurands of d characteristics, those of one characteristic next to each other.
+    """The g measurands of d characteristics, all of them pairs of points, those of one characteristic together.
 
     Parameters
     ----------
@@ -46,19 +49,30 @@ class MeasurandTable:
 
     @classmethod
     def of(cls, characteristics: Sequence[Characteristic]) -> MeasurandTable:
-        """Stack the measurands of characteristics, each of which has at least one."""
+        """Stack the measurands of characteristics, each of which has at least one.
+
+        Raises
+        ------
+        InputError
+            If a measurand is no pair of points: visibility and error laws take no other.
+        """
         measurands = [
             (measurand, index)
             for index, characteristic in enumerate(characteristics)
             for measurand in characteristic.measurands
         ]
+        if (other := next((g for g, _ in measurands if not isinstance(g, PointPair)), None)) is not None:
+            raise InputError(
+                "a table of measurands holds pairs of points",
+                got=type(other).__name__,
+                expected="a length or a diameter",
+            )
         most = max((max(len(g.start_normals), len(g.end_normals)) for g, _ in measurands), default=1)
         points, normals = np.zeros((len(measurands), 2, 3)), np.zeros((len(measurands), 2, most, 3))
         for row, (measurand, _) in enumerate(measurands):
             points[row] = measurand.start, measurand.end
             normals[row, 0, : len(measurand.start_normals)] = measurand.start_normals
             normals[row, 1, : len(measurand.end_normals)] = measurand.end_normals
-        rim_axis = np.array([np.zeros(3) if g.rim_axis is None else g.rim_axis for g, _ in measurands]).reshape(-1, 3)
         counts = [len(characteristic.measurands) for characteristic in characteristics]
         return cls(
             points=points,
@@ -66,7 +80,7 @@ class MeasurandTable:
             whole=np.array([characteristics[index].observed == "whole" for _, index in measurands], dtype=bool),
             characteristic=np.array([index for _, index in measurands], dtype=np.int64),
             first=np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64) if counts else np.zeros(0, np.int64),
-            rim_axis=rim_axis,
+            rim_axis=stacked_rim_axes([measurand for measurand, _ in measurands]),
         )
 
     def __len__(self) -> int:

@@ -1,7 +1,11 @@
-"""What forms the image: the pinhole camera with its lens and pixels, and the edge detector that reads it."""
+"""What forms the image and reads it: sensors behind one protocol, the pinhole camera first, and the edge detector.
 
+A sensor is one file with a class that fulfils :class:`Sensor`.
+"""
+
+from .base import Sensor
 from .camera import Camera
 from .edge_detector import EdgeDetector
 from .window import Window
 
-__all__ = ["Camera", "EdgeDetector", "Window"]
+__all__ = ["Camera", "EdgeDetector", "Sensor", "Window"]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
+from ..geometry.image_jacobian import point_jacobian
 from ..geometry.lens import Lens
 from .edge_detector import EdgeDetector
 
@@ -30,7 +31,9 @@ def _two_numbers(name: str, value: object) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera: where it sees points, and how well it finds them.
+    """A pinhole camera with a lens that may distort: where it shows points, and how well it finds them.
+
+    It is the first :class:`~viewgauge.sensors.Sensor`.
 
     An image length is that of the ideal image, without distortion: what is found in the pixels is put where a pinhole
     camera would have seen it, by the calibration, before it is measured.
@@ -57,9 +60,9 @@ class Camera:
     lens
         Distortion; None for a pinhole.
     intrinsics_covariance
-        How well the camera is calibrated: ``(4 + k, 4 + k)`` covariance of fx, fy, cx, cy, px, and the k coefficients
-        of the lens, as nested tuples; None for exactly.
-    edge detector
+        Uncertainty of the calibration: ``(4 + k, 4 + k)`` covariance of fx, fy, cx, cy, px, and the k coefficients
+        of the lens, as nested tuples; None where the camera is known exactly.
+    edge_detector
         A sub-pixel edge detector, in place of quantization by ``edge_resolution_px``; None for the paper's.
     """
 
@@ -110,7 +113,7 @@ class Camera:
                 key="lens",
                 got=f"{self.lens.model} {list(self.lens.coefficients)}",
                 expected="distortion that grows outwards up to the corners of the image",
-                hint="a calibration whose points do not reach the corners: calibrate with fewer coefficients",
+                hint="the calibration's points may not reach the corners: calibrate with fewer coefficients",
             )
 
     @property
@@ -119,7 +122,7 @@ class Camera:
 
     @property
     def is_plain(self) -> bool:
-        """A pinhole known exactly, with whole- or part-pixel quantization: the paper's."""
+        """Whether it is the paper's camera: a pinhole that is known exactly, with quantization."""
         return self.lens is None and self.intrinsics_covariance is None and self.edge_detector is None
 
     @property
@@ -204,6 +207,44 @@ class Camera:
             J = J @ self.lens.jacobian(image / self.focal_length_mm)
         return np.asarray(J)
 
+    def pose_jacobian(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Derivative of :meth:`project` with respect to a pose error [x, y, z, rx, ry, rz] at the centre of projection.
+
+        The scene is displaced in the camera frame, ``p' = p + delta x p + d``
+        (:func:`~viewgauge.geometry.point_jacobian`). ``pose_jacobian(points) @ error.adjoint`` is the derivative with
+        respect to an error in the frame of a :class:`~viewgauge.geometry.PoseError`.
+
+        Parameters
+        ----------
+        points
+            ``(..., 3)`` mm, camera frame. Points with Z <= 0 have no image: NaN.
+
+        Returns
+        -------
+        ``(..., 2, 6)``: mm/mm for translations, mm/rad for rotations.
+        """
+        p = np.asarray(points, dtype=float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            J = point_jacobian(p, self.focal_length_mm)
+        return np.where(p[..., 2, None, None] > 0, J, np.nan)
+
+    def pose_jacobian_px(self, points: ArrayLike) -> NDArray[np.float64]:
+        """``(..., 2, 6)`` px/mm and px/rad: derivative of the place in the pixels, as :meth:`pose_jacobian`."""
+        return np.asarray(self.pixel_jacobian(self.project(points)) @ self.pose_jacobian(points))
+
+    def lines_of_sight(self, pixels: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The lines through the centre of projection of points that the lens shows at places ``(..., 2)`` px.
+
+        Returns
+        -------
+        A point of each line, the origin of the camera frame, ``(..., 3)`` mm, and its unit direction, ``(..., 3)``,
+        camera frame; directions are NaN where the lens shows nothing.
+        """
+        image = self.from_pixels(pixels)
+        depth = np.full((*image.shape[:-1], 1), self.focal_length_mm)
+        along = np.concatenate([image, depth], axis=-1)
+        return np.zeros_like(along), along / np.linalg.norm(along, axis=-1, keepdims=True)
+
     def blur_px(self, depth_mm: ArrayLike) -> NDArray[np.float64]:
         """Diameter of the circle of confusion of a point at a depth, px (thin lens; 0 without an aperture).
 
@@ -241,10 +282,12 @@ def _require_covariance(matrix: object, size: int) -> tuple[tuple[float, ...], .
     deviation = np.sqrt(np.maximum(values.diagonal(), 0.0))
     scale = np.where(deviation > 0, deviation, 1.0)
     correlation = values / np.outer(scale, scale)
-    if (values.diagonal() < 0).any() or np.abs(correlation - correlation.T).max() > 1e-6:
-        raise InputError(
-            "not a covariance: not symmetric, or with a negative variance", key="intrinsics_covariance", got="it"
-        )
+    if (values.diagonal() < 0).any():
+        got = values.diagonal().tolist()
+        raise InputError("not a covariance: a negative variance", key="intrinsics_covariance", got=got)
+    if np.abs(correlation - correlation.T).max() > 1e-6:
+        expected = "equal entries on both sides of the diagonal"
+        raise InputError("not a covariance: not symmetric", key="intrinsics_covariance", expected=expected)
     if float(np.linalg.eigvalsh((correlation + correlation.T) / 2)[0]) < -1e-6:
         raise InputError("not a covariance: some combination has a negative variance", key="intrinsics_covariance")
     return tuple(tuple(float(value) for value in row) for row in (values + values.T) / 2)

@@ -1,4 +1,4 @@
-"""What finds edges in an image, and how well."""
+"""The edge detector, which finds edge points in an image, with its noise."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class EdgeDetector:
         (:func:`~viewgauge.errors.edge_point_deviation` from signal to noise and blur).
     bias_px
         Standard uncertainty of an offset, px, by which all edges of a bright part lie further out or further in than
-        they seem (exposure, blooming, focus): the same for both ends and at every acquisition.
+        they seem (exposure, blooming, focus). It is the same at both ends and in every image.
     edge_points
-        So many edge points, one px apart, are fitted by a line at each end of a measurand, and the whole rim of a hole
-        or boss by an ellipse; None where single edge points are picked.
+        Number of edge points, one px apart, that are fitted by a line at each end of a measurand; the whole rim of a
+        hole or boss is fitted by an ellipse. None where single edge points are picked.
     clear_of_corner_px
-        Between the end of a measurand and the first point that is fitted, px.
+        Distance between the end of a measurand and the first point that is fitted, px.
     """
 
     noise_px: float

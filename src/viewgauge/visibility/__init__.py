@@ -1,4 +1,4 @@
-"""Whether a measurand can be observed from a viewpoint."""
+"""Visibility: which measurands can be observed from a viewpoint, and the reason where one cannot."""
 
 from .culling import OCCLUDED, REASONS, VISIBLE, Culling
 from .limits import ObservationLimits

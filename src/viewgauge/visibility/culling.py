@@ -1,4 +1,4 @@
-"""The conditions on which a measurand can be observed, but for occlusion, for a block of viewpoints at once."""
+"""All conditions of observability but occlusion, for a block of viewpoints at once."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ REASONS = ("behind_camera", "out_of_view", "facing_away", "too_short", "out_of_f
 _BEHIND, _OUT_OF_VIEW, _FACING_AWAY, _TOO_SHORT, _OUT_OF_FOCUS, OCCLUDED, VISIBLE = range(len(REASONS))
 
 
-_WIDER = 0.002  # of the image: its border may bulge between the points of it that are looked at
+_WIDER = 0.002  # of the image: its border may bulge between the points at which it is computed
 
 
 class Culling:
     """Tests measurands against all conditions but occlusion, the costly one.
 
-    In this order: both ends in front of the camera; both inside the image less a margin; at each end at least one
-    adjoining face turned to the camera; image long enough; both ends in focus.
+    The conditions, in this order: both ends in front of the camera; both inside the image less a margin; at each end at
+    least one adjoining face turned to the camera; image long enough; both ends in focus.
     """
 
     def __init__(self, measurands: MeasurandTable, camera: Camera, limits: ObservationLimits) -> None:
@@ -147,7 +147,7 @@ def _reasons(views, count, points, normals, normal_count, parameters, reason):  
     error_model="numpy",
 )
 def _outside_lens(views, count, points, lens, inside, reason):  # type: ignore[no-untyped-def]
-    """Of what is in front and in the rectangle, what the lens shows outside the image."""
+    """Mark as out of view what is in front of the camera and in the rectangle, but shown outside the image."""
     for g in range(len(points)):
         for s in range(count):
             if reason[g, s] == _BEHIND or reason[g, s] == _OUT_OF_VIEW:

@@ -1,4 +1,4 @@
-"""When a measurand counts as observable."""
+"""The thresholds above which a measurand counts as observable."""
 
 from __future__ import annotations
 

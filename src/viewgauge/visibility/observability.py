@@ -1,4 +1,4 @@
-"""Whether a measurand can be observed from a viewpoint, and if not, why."""
+"""Observability: whether a measurand can be observed from a viewpoint, and the reason where it cannot."""
 
 from __future__ import annotations
 

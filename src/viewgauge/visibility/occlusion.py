@@ -1,4 +1,4 @@
-"""Whether the part hides a measurand from a camera, by Embree's ray caster."""
+"""Occlusion: whether the part hides a measurand from a camera, by Embree's ray caster."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class SightLines:
     def __init__(self, measurands: MeasurandTable, occluder: Occluder) -> None:
         outward = measurands.normals.sum(axis=2)
         outward /= np.maximum(np.linalg.norm(outward, axis=-1, keepdims=True), np.finfo(float).tiny)
-        # from here rays of the two ends start, and rays of samples between them from between
+        # rays start here at the two ends, and between these for samples between the ends
         self._origins = np.ascontiguousarray(measurands.points + occluder.clearance_mm * outward - occluder.centre_mm)
         self._whole = measurands.whole
         self._occluder = occluder

@@ -25,7 +25,7 @@ from ...measurement.image.expected_edges import ExpectedMeasurand
 from ...measurement.image.image_pose import Guide, find_guide
 from ...measurement.image.length_law import length_law
 from ...measurement.image.measurand_image import MeasurandImage, measurand_windows, measure_in_image, rehearsed
-from ...part import Characteristic, Measurand
+from ...part import Characteristic, PointPair
 from ...planning import without_allowed_error
 from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...simulation.image_sensor import ImageSensor
@@ -150,7 +150,7 @@ def require_edges(edges: str) -> None:
         raise InputError("unknown way to find edges", key="edges", got=edges, expected="sub-pixel or whole-pixel")
 
 
-def expected_measurand(characteristic: Characteristic, measurand: Measurand) -> ExpectedMeasurand:
+def expected_measurand(characteristic: Characteristic, measurand: PointPair) -> ExpectedMeasurand:
     """What is looked for in an image."""
     points, normals = np.stack([measurand.start, measurand.end]), (measurand.start_normals, measurand.end_normals)
     return ExpectedMeasurand(points, normals, characteristic.kind == "diameter", measurand.rim_axis)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...evaluation import Acquisitions
 from ...execution.chunks import Chunk, EvaluationJob, evaluator_of
 from ...geometry import invert, transform
-from ...part.characteristic import rim_axes
+from ...part import rim_axes
 from ...planning.averaging.acquisition_search import AcquisitionCandidates
 from ...planning.averaging.averaged_viewpoints import ChosenAcquisitions, plan_acquisitions
 from ...planning.averaging.shortlist import AcquisitionShortlist, acquisition_scores

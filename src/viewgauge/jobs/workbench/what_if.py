@@ -12,8 +12,7 @@ from ...evaluation import MeasurandLaws
 from ...evaluation.error_budget import ErrorBudget, error_budget
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...geometry import invert, transform
-from ...part import NotMeasurable
-from ...part.characteristic import rim_axes
+from ...part import NotMeasurable, rim_axes
 from ...planning import Plan, default_distance_range, without_allowed_error
 from ...planning.candidates.direction_map import DirectionMap, map_directions
 from ...planning.improve.answers import Answers

@@ -1,5 +1,10 @@
-"""From the PMI records of a B-rep to characteristics with measurands: pairs of points on real, visible edges."""
+"""From the PMI records of a B-rep to characteristics with measurands: pairs of points on real, visible edges.
+
+A kind of PMI record is one file with a deriver, and one entry in :mod:`.derivers` (or a call of :func:`register` from
+outside).
+"""
 
 from .derive import derive_characteristics
+from .derivers import Deriver, register
 
-__all__ = ["derive_characteristics"]
+__all__ = ["Deriver", "derive_characteristics", "register"]

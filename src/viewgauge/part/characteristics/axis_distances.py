@@ -15,8 +15,8 @@ from ..brep import Edge, PmiRecord, Reference
 from ..features.arcs import circle_of, evenly
 from ..features.coincidence import coaxial, is_parallel, same_radius
 from ..features.outline import Outline
-from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
-from .selection import Candidate, select
+from ..measurands.selection import Candidate, select
+from .outcome import Derived, NotDerived, Outcome, agrees, closest, disagreement
 
 __all__ = ["axis_distance", "has_axis", "rims_of"]
 
@@ -55,16 +55,16 @@ def axis_distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:
         if _correspond(outline.brep.edges[i], outline.brep.edges[j], outline.tolerance_mm)
     ]
     if not pairs:
-        return Unmeasured("an axis has no visible edge, and no two rims of equal radius lie in one plane")
+        return NotDerived("an axis has no visible edge, and no two rims of equal radius lie in one plane")
     apart = {(i, j): _centre_distance(outline, i, j) for i, j in pairs}
     best = closest(list(apart.values()), pmi_record)
     if not agrees(best, pmi_record):
-        return Unmeasured(disagreement(best, pmi_record))
+        return NotDerived(disagreement(best, pmi_record))
     near = [pair for pair in pairs if abs(apart[pair] - best) <= outline.tolerance_mm]
     measurands = select([candidate for i, j in near for candidate in _corresponding_points(outline, i, j)])
     if not measurands:
-        return Unmeasured("an axis has no visible edge, and the rims have no corresponding points")
-    return Measured(best, measurands)
+        return NotDerived("an axis has no visible edge, and the rims have no corresponding points")
+    return Derived(best, measurands)
 
 
 def _centre_distance(outline: Outline, i: int, j: int) -> float:

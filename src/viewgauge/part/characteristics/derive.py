@@ -8,10 +8,8 @@ from math import isnan
 from ..brep import Brep, PmiRecord
 from ..characteristic import Characteristic, NotMeasurable
 from ..features.outline import Outline
-from .diameters import diameters
-from .distances import distance
-from .lengths import lengths
-from .outcome import Measured, Outcome, Unmeasured
+from .derivers import deriver_of
+from .outcome import Derived, NotDerived, Outcome
 
 __all__ = ["derive_characteristics"]
 
@@ -26,8 +24,8 @@ def derive_characteristics(brep: Brep) -> tuple[tuple[Characteristic, ...], tupl
 
     Returns
     -------
-    The measurable characteristics, each with at least one measurand, and what is unusable. Together they have each
-    PMI record at least once, in the order of the PMI records.
+    The measurable characteristics, each with at least one measurand, and what is not measurable. Together they have
+    each PMI record at least once, in the order of the PMI records.
     """
     outline = Outline(brep)
     named = [entry for pmi_record in brep.pmi_records for entry in _named(pmi_record, _outcomes(outline, pmi_record))]
@@ -36,35 +34,21 @@ def derive_characteristics(brep: Brep) -> tuple[tuple[Characteristic, ...], tupl
 
 
 def _outcomes(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
-    if reason := _unsupported(pmi_record):
-        return [Unmeasured(reason)]
-    if pmi_record.second:
-        return [distance(outline, pmi_record)]
-    if pmi_record.kind == "diameter":
-        return diameters(outline, pmi_record)
-    return lengths(outline, pmi_record)
-
-
-def _unsupported(pmi_record: PmiRecord) -> str:
-    """Why the PMI record cannot be measured whatever the geometry; empty where it may be."""
     if pmi_record.problem:
-        return pmi_record.problem
-    if pmi_record.kind == "radius":
-        return "a radius has no pair of opposite edge points"
-    if pmi_record.kind in ("angle", "other"):
-        return f"a PMI record of kind {pmi_record.kind} ({pmi_record.label}) is not a distance between two points"
-    if not pmi_record.first:
-        return "the PMI record refers to no face or edge"
-    if pmi_record.kind == "distance" and not pmi_record.second:
-        return "the PMI record refers to only one of the two features of a distance"
-    return ""
+        return [NotDerived(pmi_record.problem)]
+    deriver = deriver_of(pmi_record.kind)
+    if deriver is None:
+        words = f"a PMI record of kind {pmi_record.kind} ({pmi_record.label})"
+        return [NotDerived(f"{words} is not a distance between two points")]
+    return deriver(outline, pmi_record)
 
 
 def _named(pmi_record: PmiRecord, outcomes: list[Outcome]) -> Iterator[Characteristic | NotMeasurable]:
     for number, outcome in enumerate(outcomes, start=1):
         name = pmi_record.name if len(outcomes) == 1 else f"{pmi_record.name}/{number}"
-        if isinstance(outcome, Measured):
+        if isinstance(outcome, Derived):
             nominal = outcome.value_mm if isnan(pmi_record.nominal_mm) else pmi_record.nominal_mm
             yield Characteristic(name, pmi_record.kind, nominal, pmi_record.tolerance_mm, outcome.measurands)
         else:
-            yield NotMeasurable(name, pmi_record.kind, outcome.reason, pmi_record.nominal_mm, pmi_record.tolerance_mm)
+            value = pmi_record.nominal_mm, pmi_record.tolerance_mm, pmi_record.unit
+            yield NotMeasurable(name, pmi_record.kind, outcome.reason, *value)

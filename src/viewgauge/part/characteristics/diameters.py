@@ -12,11 +12,13 @@ from ..features.arcs import Circle, circle_of, evenly, opposite_angles
 from ..features.coincidence import same_axis, same_circle, same_radius
 from ..features.grouping import connected_groups
 from ..features.outline import Outline
+from ..measurands import Diameter
+from ..measurands.selection import Candidate, select
 from .axis_distances import rims_of
-from .outcome import Measured, Outcome, Unmeasured, agrees, disagreement
-from .selection import Candidate, select
+from .distances import distance
+from .outcome import NO_REFERENCE, Derived, NotDerived, Outcome, agrees, disagreement
 
-__all__ = ["diameters"]
+__all__ = ["derive_diameters"]
 
 _ORIENTATIONS = 6  # of the chords of one rim, over half a turn
 _GAP_RAD = 1e-3  # of a rim that counts as whole
@@ -32,17 +34,22 @@ class _Feature:
     rims: tuple[int, ...]
 
 
-def diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
+def derive_diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
     """One outcome per hole or boss among the referenced faces and edges, ordered by position x, then y, then z.
 
     Cylinders of one axis and one radius that adjoin along the axis are one feature: its place is the middle of
     its axis. Of other faces (cones, spheres, planes) the circular edges of the nominal diameter count, and of
-    edges the circles: arcs of one circle, and circles of one hole, are one feature.
+    edges the circles: arcs of one circle, and circles of one hole, are one feature. Two sets of references stand for
+    the distance between them.
     """
+    if not pmi_record.first:
+        return [NO_REFERENCE]
+    if pmi_record.second:
+        return [distance(outline, pmi_record)]
     features = _holes_and_bosses(outline, pmi_record.first)
     features += _circles(outline, pmi_record, {edge for feature in features for edge in feature.rims})
     if not features:
-        return [Unmeasured("the PMI record refers to no cylinder and to no circular edge of the nominal diameter")]
+        return [NotDerived("the PMI record refers to no cylinder and to no circular edge of the nominal diameter")]
     features.sort(key=lambda feature: tuple(np.round(feature.place, _ORDER_DECIMALS) + 0.0))
     return [_chords(outline, pmi_record, feature) for feature in features]
 
@@ -120,9 +127,9 @@ def _one_hole(outline: Outline, a: int, b: int) -> bool:
 def _chords(outline: Outline, pmi_record: PmiRecord, feature: _Feature) -> Outcome:
     value = 2 * feature.radius_mm
     if not agrees(value, pmi_record):
-        return Unmeasured(disagreement(value, pmi_record))
+        return NotDerived(disagreement(value, pmi_record))
     if not feature.rims:
-        return Unmeasured("the feature has no visible circular edge: its rims are smooth or not flat")
+        return NotDerived("the feature has no visible circular edge: its rims are smooth or not flat")
     candidates = []
     for arcs in connected_groups(
         feature.rims, lambda a, b: same_circle(outline.brep.edges[a], outline.brep.edges[b], outline.tolerance_mm)
@@ -130,8 +137,8 @@ def _chords(outline: Outline, pmi_record: PmiRecord, feature: _Feature) -> Outco
         candidates += _chords_of_rim(outline, arcs, value)
     measurands = select(candidates)
     if not measurands:
-        return Unmeasured("no rim has two diametrically opposite points: its arcs are less than half a turn")
-    return Measured(value, measurands)
+        return NotDerived("no rim has two diametrically opposite points: its arcs are less than half a turn")
+    return Derived(value, measurands)
 
 
 def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> list[Candidate]:
@@ -143,8 +150,8 @@ def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> lis
     candidates = []
     for angle in evenly(opposite_angles(circle, edges), _ORIENTATIONS):
         i, j = (arcs[circle.arc_at(edges, turned)] for turned in (angle, angle + np.pi))
-        measurand = outline.measurand(i, circle.point(angle), j, circle.point(angle + np.pi))
-        measurand = replace(measurand, rim_axis=rim_axis)
+        chord = outline.measurand(i, circle.point(angle), j, circle.point(angle + np.pi))
+        measurand = Diameter(chord.start, chord.end, *chord.normals, chord.source, rim_axis)
         shared = set(outline.brep.edges[i].faces) & set(outline.brep.edges[j].faces)
         concave = outline.is_concave(i) or outline.is_concave(j)
         on_flat_face = any(outline.brep.faces[face].kind == "plane" for face in shared)

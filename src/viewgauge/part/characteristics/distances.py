@@ -6,15 +6,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import PmiRecord, Reference
-from ..characteristic import Measurand
 from ..features.coincidence import is_parallel, unit
 from ..features.outline import Outline
 from ..features.parallel_planes import Side, distinct_normals, measurands_between, side_of
+from ..measurands import PointPair
+from ..measurands.selection import LIMIT
 from .axis_distances import axis_distance, has_axis
-from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
-from .selection import LIMIT
+from .outcome import NO_REFERENCE, Derived, NotDerived, Outcome, agrees, closest, disagreement
 
-__all__ = ["distance"]
+__all__ = ["derive_distance", "distance"]
+
+
+def derive_distance(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
+    """One outcome: the distance between the two features that the PMI record refers to."""
+    if not pmi_record.first:
+        return [NO_REFERENCE]
+    if not pmi_record.second:
+        return [NotDerived("the PMI record refers to only one of the two features of a distance")]
+    return [distance(outline, pmi_record)]
 
 
 def distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:
@@ -25,13 +34,13 @@ def distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:
     references allow several distances (a step between sets of faces), the one closest to the nominal counts.
     """
     along_normals = _between_planes(outline, pmi_record)
-    if isinstance(along_normals, Measured):
+    if isinstance(along_normals, Derived):
         return along_normals
     axes = [any(has_axis(outline, reference) for reference in side) for side in (pmi_record.first, pmi_record.second)]
     if all(axes):
         return axis_distance(outline, pmi_record)
     if any(axes):
-        return Unmeasured("an axis has no visible edge: its distance from a face or an edge cannot be seen")
+        return NotDerived("an axis has no visible edge: its distance from a face or an edge cannot be seen")
     return along_normals
 
 
@@ -45,10 +54,10 @@ def _between_planes(outline: Outline, pmi_record: PmiRecord) -> Outcome:
         apart = {abs(float((b.point - a.point) @ normal)) for a in first for b in second}
         found += [(value, normal, first, second) for value in sorted(apart) if value > outline.tolerance_mm]
     if not found:
-        return Unmeasured(_why_no_planes(outline, pmi_record))
+        return NotDerived(_why_no_planes(outline, pmi_record))
     best = closest([value for value, *_ in found], pmi_record)
     if not agrees(best, pmi_record):
-        return Unmeasured(disagreement(best, pmi_record))
+        return NotDerived(disagreement(best, pmi_record))
     for value, normal, first, second in found:
         if abs(value - best) <= outline.tolerance_mm:
             measurands = measurands_between(outline, first, second, normal, value)
@@ -56,11 +65,11 @@ def _between_planes(outline: Outline, pmi_record: PmiRecord) -> Outcome:
             if _edges(whole[0]) != _edges(first) or _edges(whole[1]) != _edges(second):
                 measurands = _united(measurands, measurands_between(outline, whole[0], whole[1], normal, value))
             if measurands:
-                return Measured(value, measurands)
-    return Unmeasured("no two visible edges of the two sides lie opposite each other along their normal")
+                return Derived(value, measurands)
+    return NotDerived("no two visible edges of the two sides lie opposite each other along their normal")
 
 
-def _united(measurands: tuple[Measurand, ...], further: tuple[Measurand, ...]) -> tuple[Measurand, ...]:
+def _united(measurands: tuple[PointPair, ...], further: tuple[PointPair, ...]) -> tuple[PointPair, ...]:
     """The measurands, then the further ones that are not among them, as many as one characteristic may have."""
     places = {(*measurand.start, *measurand.end) for measurand in measurands}
     return (*measurands, *(measurand for measurand in further if (*measurand.start, *measurand.end) not in places))[

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import Edge, PmiRecord
-from ..characteristic import Measurand
 from ..features.coincidence import is_parallel, unit
 from ..features.outline import Outline
 from ..features.parallel_planes import Side, measurands_between
+from ..measurands import PointPair
+from ..measurands.selection import LIMIT
 from .distances import distance
-from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
-from .selection import LIMIT
+from .outcome import NO_REFERENCE, Derived, NotDerived, Outcome, agrees, closest, disagreement
 from .widths import widths
 
-__all__ = ["lengths"]
+__all__ = ["derive_lengths"]
 
 
-def lengths(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
+def derive_lengths(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
     """One outcome per feature that the PMI record sizes, in the order of the features' first references.
 
     - straight edges: each one's length; two parallel ones, neither of that length: their distance
@@ -29,7 +29,12 @@ def lengths(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
     - several faces: pairs of parallel flat faces at the nominal distance; pairs that share a face are one
       feature (the thickness of a plate whose underside is divided), others are features of their own
     - cylinders: the distance between their flat ends
+    - two sets of references: the distance between them
     """
+    if not pmi_record.first:
+        return [NO_REFERENCE]
+    if pmi_record.second:
+        return [distance(outline, pmi_record)]
     brep = outline.brep
     edges = [r.index for r in pmi_record.first if r.kind == "edge"]
     faces = list(dict.fromkeys(r.index for r in pmi_record.first if r.kind == "face"))
@@ -54,22 +59,22 @@ def _between_two(outline: Outline, pmi_record: PmiRecord) -> Outcome:
 def _of_edges(outline: Outline, pmi_record: PmiRecord, edges: list[int]) -> list[Outcome]:
     straight = {i: outline.brep.edges[i] for i in edges if outline.brep.edges[i].kind == "line"}
     if not straight:
-        return [Unmeasured("the length of a curved edge is no straight distance between two points")]
+        return [NotDerived("the length of a curved edge is no straight distance between two points")]
     fitting = [i for i, edge in straight.items() if agrees(_length(edge), pmi_record)]
     if not fitting and len(edges) == 2:
         return [_between_two(outline, pmi_record)]
     if not fitting:
         return [
-            Unmeasured(disagreement(closest([_length(edge) for edge in straight.values()], pmi_record), pmi_record))
+            NotDerived(disagreement(closest([_length(edge) for edge in straight.values()], pmi_record), pmi_record))
         ]
     return [_edge_length(outline, i) for i in fitting]
 
 
 def _edge_length(outline: Outline, index: int) -> Outcome:
     if not outline.is_visible(index):
-        return Unmeasured("the edge is smooth: its faces meet without a visible crease")
+        return NotDerived("the edge is smooth: its faces meet without a visible crease")
     start, end = outline.brep.edges[index].points[[0, -1]]
-    return Measured(_length(outline.brep.edges[index]), (outline.measurand(index, start, index, end),))
+    return Derived(_length(outline.brep.edges[index]), (outline.measurand(index, start, index, end),))
 
 
 def _across_face(outline: Outline, pmi_record: PmiRecord, face: int) -> Outcome:
@@ -85,20 +90,20 @@ def _across_face(outline: Outline, pmi_record: PmiRecord, face: int) -> Outcome:
             if value > outline.tolerance_mm:
                 found.append((value, across, i, j))
     if not found:
-        return Unmeasured("the face has no two parallel visible edges")
+        return NotDerived("the face has no two parallel visible edges")
     if np.isnan(pmi_record.nominal_mm) and len({round(value / outline.tolerance_mm) for value, *_ in found}) > 1:
-        return Unmeasured("the file gives no nominal value, and the face has several lengths")
+        return NotDerived("the file gives no nominal value, and the face has several lengths")
     best = closest([value for value, *_ in found], pmi_record)
     if not agrees(best, pmi_record):
-        return Unmeasured(disagreement(best, pmi_record))
-    measurands: list[Measurand] = []
+        return NotDerived(disagreement(best, pmi_record))
+    measurands: list[PointPair] = []
     for value, across, i, j in found:
         if abs(value - best) <= outline.tolerance_mm:
             first, second = (Side(outline.brep.edges[k].points[0], (k,), ()) for k in (i, j))
             measurands += measurands_between(outline, [first], [second], across, best)
     if not measurands:
-        return Unmeasured("no opposite edges of the face face each other")
-    return Measured(best, tuple(measurands[:LIMIT]))
+        return NotDerived("no opposite edges of the face face each other")
+    return Derived(best, tuple(measurands[:LIMIT]))
 
 
 def _along_cylinders(outline: Outline, pmi_record: PmiRecord, faces: list[int]) -> Outcome:
@@ -115,12 +120,12 @@ def _along_cylinders(outline: Outline, pmi_record: PmiRecord, faces: list[int]) 
     values = [abs(float((b.point - a.point) @ axis)) for a, b in combinations(sides, 2)]
     values = [value for value in values if value > outline.tolerance_mm]
     if not values:
-        return Unmeasured("the curved face has no two visible flat ends")
+        return NotDerived("the curved face has no two visible flat ends")
     best = closest(values, pmi_record)
     if not agrees(best, pmi_record):
-        return Unmeasured(disagreement(best, pmi_record))
+        return NotDerived(disagreement(best, pmi_record))
     measurands = measurands_between(outline, sides, sides, axis, best)
-    return Measured(best, measurands) if measurands else Unmeasured("the flat ends do not face each other")
+    return Derived(best, measurands) if measurands else NotDerived("the flat ends do not face each other")
 
 
 def _length(edge: Edge) -> float:

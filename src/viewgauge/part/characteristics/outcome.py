@@ -6,30 +6,32 @@ from dataclasses import dataclass
 from math import isnan
 
 from ..brep import PmiRecord
-from ..characteristic import Measurand
+from ..measurands import PointPair
 
-__all__ = ["Measured", "Outcome", "Unmeasured", "agrees", "closest", "disagreement"]
+__all__ = ["NO_REFERENCE", "Derived", "NotDerived", "Outcome", "agrees", "closest", "disagreement"]
 
 _RELATIVE_LIMIT = 0.01  # without a tolerance, the file's value may be rounded by this much
 _RELATIVE_FLOOR = 1e-6  # digits of the nominal value in inch files
 
 
 @dataclass(frozen=True)
-class Measured:
-    """Measurands of one feature, all of length ``value_mm``: the characteristic's value in the geometry."""
+class Derived:
+    """One feature with its measurands, all of length ``value_mm``: the characteristic's value in the geometry."""
 
     value_mm: float
-    measurands: tuple[Measurand, ...]
+    measurands: tuple[PointPair, ...]
 
 
 @dataclass(frozen=True)
-class Unmeasured:
+class NotDerived:
     """One feature that offers no measurand, and why."""
 
     reason: str
 
 
-Outcome = Measured | Unmeasured
+Outcome = Derived | NotDerived
+
+NO_REFERENCE = NotDerived("the PMI record refers to no face or edge")
 
 
 def agrees(value_mm: float, pmi_record: PmiRecord) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...exceptions import InputError
-from ..characteristic import Measurand
+from ..measurands import LengthBetweenPoints
 from ..mesh import Mesh
 
 __all__ = ["distance_to_triangles", "measurand_on_mesh"]
@@ -16,8 +16,10 @@ _OUTSIDE_CHORDS, _OUTSIDE_RELATIVE = 5.0, 1e-3
 _SAME_NORMAL = np.cos(np.deg2rad(1.0))
 
 
-def measurand_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm: float | None = None) -> Measurand:
-    """The measurand between two points of a part; the adjoining faces are the triangles that touch each point.
+def measurand_on_mesh(
+    mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance_mm: float | None = None
+) -> LengthBetweenPoints:
+    """The length between two points of a part; the adjoining faces are the triangles that touch each point.
 
     Where no triangle touches a point that is still near the surface, the nearest triangles count.
 
@@ -51,7 +53,7 @@ def measurand_on_mesh(mesh: Mesh, start: ArrayLike, end: ArrayLike, *, tolerance
         _touching_normals(mesh, name, point, tolerance_mm, limit)
         for name, point in zip(("start", "end"), points, strict=True)
     ]
-    return Measurand(points[0], points[1], normals[0], normals[1], "given by its two points")
+    return LengthBetweenPoints(points[0], points[1], normals[0], normals[1], "given by its two points")
 
 
 def distance_to_triangles(mesh: Mesh, point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 
 from ..brep import PmiRecord, Reference
-from ..characteristic import Measurand
 from ..features.grouping import connected_groups
 from ..features.outline import Outline
 from ..features.parallel_planes import measurands_between, side_of
-from .outcome import Measured, Outcome, Unmeasured, agrees, closest, disagreement
+from ..measurands import PointPair
+from .outcome import Derived, NotDerived, Outcome, agrees, closest, disagreement
 
 __all__ = ["widths"]
 
@@ -27,19 +27,19 @@ def widths(outline: Outline, pmi_record: PmiRecord, faces: Sequence[int]) -> lis
     """
     pairs = _parallel_pairs(outline, faces)
     if not pairs:
-        return [Unmeasured("no two of the faces are parallel planes")]
+        return [NotDerived("no two of the faces are parallel planes")]
     if np.isnan(pmi_record.nominal_mm) and len(pairs) > 1:
-        return [Unmeasured("the file gives no nominal value, and the faces have several distances")]
+        return [NotDerived("the file gives no nominal value, and the faces have several distances")]
     best = closest(list(pairs.values()), pmi_record)
     if not agrees(best, pmi_record):
-        return [Unmeasured(disagreement(best, pmi_record))]
+        return [NotDerived(disagreement(best, pmi_record))]
     near = [pair for pair, value in pairs.items() if abs(value - best) <= outline.tolerance_mm]
     facing = _ribs_or_slots(outline, [pair for pair in near if _measurands(outline, [pair], best)])
     if not facing:
-        return [Unmeasured("no two visible edges of the faces lie opposite each other along their normal")]
+        return [NotDerived("no two visible edges of the faces lie opposite each other along their normal")]
     used = [face for pair in facing for face in pair]
     groups = connected_groups(used, lambda a, b: (a, b) in facing or (b, a) in facing)
-    return [Measured(best, _measurands(outline, [p for p in facing if p[0] in group], best)) for group in groups]
+    return [Derived(best, _measurands(outline, [p for p in facing if p[0] in group], best)) for group in groups]
 
 
 def _parallel_pairs(outline: Outline, faces: Sequence[int]) -> dict[_Pair, float]:
@@ -54,7 +54,7 @@ def _parallel_pairs(outline: Outline, faces: Sequence[int]) -> dict[_Pair, float
     return pairs
 
 
-def _measurands(outline: Outline, pairs: Sequence[_Pair], value_mm: float) -> tuple[Measurand, ...]:
+def _measurands(outline: Outline, pairs: Sequence[_Pair], value_mm: float) -> tuple[PointPair, ...]:
     normal = outline.brep.faces[pairs[0][0]].axis
     first, second = (
         [side for face in dict.fromkeys(faces) if (side := side_of(outline, Reference("face", face), normal))]
@@ -66,8 +66,8 @@ def _measurands(outline: Outline, pairs: Sequence[_Pair], value_mm: float) -> tu
 def _ribs_or_slots(outline: Outline, pairs: Sequence[_Pair]) -> list[_Pair]:
     """Only the ribs (material between the faces) or only the slots (air), where equal ribs and slots alternate.
 
-    Meant is the kind that uses more of the faces; ribs where both use all. Faces that acquisition the same way (a
-    step) belong to either.
+    The kind is kept that uses more of the faces; ribs where both use all. Faces that look the same way (a step)
+    belong to either.
     """
     kinds = {pair: _material_between(outline, pair) for pair in pairs}
     ribs, slots = ([pair for pair in pairs if kinds[pair] != unwanted] for unwanted in (-1, 1))
@@ -76,7 +76,7 @@ def _ribs_or_slots(outline: Outline, pairs: Sequence[_Pair]) -> list[_Pair]:
 
 
 def _material_between(outline: Outline, pair: _Pair) -> int:
-    """1 for two faces that acquisition away from each other, -1 for two that look at each other, 0 for a step."""
+    """1 for two faces that look away from each other, -1 for two that look at each other, 0 for a step."""
     a, b = (outline.brep.faces[face] for face in pair)
     if float(a.axis @ b.axis) > 0:
         return 0

@@ -37,7 +37,7 @@ def unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def is_parallel(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Whether two unit vectors ``(3,)`` are parallel or antiparallel (within 1e-6 rad); a zero vector is to none."""
+    """Whether two unit vectors ``(3,)`` are parallel or antiparallel (within 1e-6 rad); a zero vector is not."""
     ax, ay, az = a.tolist()  # plain numbers: this is asked for every pair of edges, and NumPy's cross is slow
     bx, by, bz = b.tolist()
     across = hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)

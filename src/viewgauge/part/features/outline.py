@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..brep import Brep, Edge
-from ..characteristic import Measurand
+from ..measurands import LengthBetweenPoints
 from .coincidence import position_tolerance_mm
 
 __all__ = ["Outline", "distinct_directions"]
@@ -78,11 +78,11 @@ class Outline:
 
     def measurand(
         self, start_edge: int, start: NDArray[np.float64], end_edge: int, end: NDArray[np.float64]
-    ) -> Measurand:
-        """The measurand between a point of one edge and a point of another (or the same)."""
+    ) -> LengthBetweenPoints:
+        """The length between a point of one edge and a point of another (or the same)."""
         source = f"edge {start_edge}" if start_edge == end_edge else f"edges {start_edge} and {end_edge}"
         normals = (self.normals_at(start_edge, start), self.normals_at(end_edge, end))
-        return Measurand(start, end, normals[0], normals[1], source)
+        return LengthBetweenPoints(start, end, normals[0], normals[1], source)
 
     def overlapping(
         self, first: tuple[int, ...], second: tuple[int, ...], shift: NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import Reference
-from ..characteristic import Measurand
-from ..characteristics.selection import Candidate, select
+from ..measurands import PointPair
+from ..measurands.selection import Candidate, select
 from .coincidence import is_parallel, unit
 from .facing_points import facing_points
 from .outline import Outline
@@ -52,7 +52,7 @@ def measurands_between(
     second: Sequence[Side],
     normal: NDArray[np.float64],
     distance_mm: float,
-) -> tuple[Measurand, ...]:
+) -> tuple[PointPair, ...]:
     """Measurands of length ``distance_mm`` between any of the first sides and any of the second that is so far away.
 
     Parameters

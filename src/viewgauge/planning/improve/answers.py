@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...evaluation import WARNINGS, Setup, TableBlock
-from ...part import Characteristic, Measurand
+from ...part import Characteristic, PointPair
 from ...visibility import REASONS
 
 __all__ = ["Answers", "CharacteristicAnswer"]
@@ -35,7 +35,7 @@ class CharacteristicAnswer:
     probability: float
     expected_accuracy: float
     viewpoint: str | None
-    measurand: Measurand
+    measurand: PointPair
     reason: str
     warning: str
 

@@ -12,7 +12,7 @@ from string import Template
 from typing import Any
 
 from ...evaluation.requirement.allowed_error import Requirement
-from ...part.characteristic import Part
+from ...part import Part
 from ...planning.improve.improvement import Improvement
 from ...planning.plan import Plan
 from ...sensors import Camera, EdgeDetector

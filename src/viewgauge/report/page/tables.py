@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from ...part.characteristic import Part
+from ...part import Part
 from ...planning.plan import Plan, PlannedCharacteristic, PlannedViewpoint, Status
 from ...sensors.camera import Camera
 from ..palette import viewpoint_colours

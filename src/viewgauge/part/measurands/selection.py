@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..characteristic import Measurand
+from .point_pair import PointPair
 
 __all__ = ["LIMIT", "Candidate", "select"]
 
@@ -39,7 +39,7 @@ class Candidate:
         Length of the shorter of the two edges, mm.
     """
 
-    measurand: Measurand
+    measurand: PointPair
     common_face: bool
     concave: bool
     straight: bool
@@ -48,7 +48,7 @@ class Candidate:
     edge_length_mm: float
 
 
-def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Measurand, ...]:
+def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[PointPair, ...]:
     """At most ``limit`` measurands: in turn one of each side from which both ends are seen, as long as it has any.
 
     Within a side: ends with a common normal first, then outer corners, a common face, straight edges, and
@@ -74,12 +74,12 @@ def select(candidates: list[Candidate], limit: int = LIMIT) -> tuple[Measurand, 
     return tuple(ranked[index].measurand for index in chosen)
 
 
-def _can_be_seen(measurand: Measurand) -> bool:
+def _can_be_seen(measurand: PointPair) -> bool:
     """Whether both ends have a normal, and not only opposite ones."""
     return len(measurand.start_normals) > 0 < len(measurand.end_normals) and _common_view(measurand)[0] > _OPPOSED
 
 
-def _by_side(measurands: list[Measurand]) -> list[list[int]]:
+def _by_side(measurands: list[PointPair]) -> list[list[int]]:
     """Indices of the measurands that are seen from one side, for each side, in the order of the measurands."""
     sides: list[tuple[NDArray[np.float64], list[int]]] = []
     for index, measurand in enumerate(measurands):
@@ -115,7 +115,7 @@ def _distance(ends: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[
     return np.asarray(np.minimum(same, swapped))
 
 
-def _common_view(measurand: Measurand) -> tuple[float, NDArray[np.float64]]:
+def _common_view(measurand: PointPair) -> tuple[float, NDArray[np.float64]]:
     """Of all pairs of a normal at the start and one at the end, the largest cosine, and the bisector ``(3,)``."""
     cosines = measurand.start_normals @ measurand.end_normals.T
     i, j = np.unravel_index(np.argmax(np.round(cosines, 9)), cosines.shape)

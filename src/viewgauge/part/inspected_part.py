@@ -1,0 +1,44 @@
+"""The part that is inspected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .characteristic import Characteristic, NotMeasurable
+from .mesh import Mesh
+
+__all__ = ["Part"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is inspected: the occluding mesh and the characteristics, part frame, mm.
+
+    Parameters
+    ----------
+    name
+        The part's name, for messages and pages.
+    mesh
+        The surface that hides what lies behind it.
+    characteristics
+        Those that can be measured.
+    not_measurable
+        Those that were read but cannot be measured, each with its reason.
+    notes
+        What the user should know about the reading, one sentence each.
+    length_unit
+        Unit of the part's file (everything here is mm already).
+    feature_lines
+        Polylines ``(n, 3)`` mm of the part's visible edges, for pictures.
+    """
+
+    name: str
+    mesh: Mesh
+    characteristics: tuple[Characteristic, ...]
+    not_measurable: tuple[NotMeasurable, ...] = ()
+    notes: tuple[str, ...] = ()
+    length_unit: str = "mm"
+    feature_lines: tuple[NDArray[np.float64], ...] = field(default=())
