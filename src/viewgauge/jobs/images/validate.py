@@ -27,7 +27,7 @@ from ...formats.files.atomic import write_text_atomically
 from ...geometry import PoseError, invert, transform
 from ...measurement.image.edges import EdgeFinder
 from ...measurement.image.expected_edges import ExpectedMeasurand
-from ...measurement.image.image_pose import find_guide
+from ...measurement.image.image_pose import find_image_pose
 from ...measurement.image.length_law import length_law
 from ...measurement.image.measurand_image import MeasurandImage, measurand_windows, measure_in_image
 from ...planning import without_allowed_error
@@ -288,10 +288,10 @@ def _validated_viewpoint(job: _Job, index: int) -> _Outcome:
     ) -> list[_Seen]:
         image = partial_image(renderer, sensor, pose, true, windows, rng) / full
         finder = EdgeFinder(image, noise, windows)
-        guide = find_guide(finder, expected, T, camera, pose_error)
-        if guide is None:
+        image_pose = find_image_pose(finder, expected, T, camera, pose_error)
+        if image_pose is None:
             return [None] * len(expected)
-        return [measure_in_image(finder, image, measurand, T, camera, guide) for measurand in expected]
+        return [measure_in_image(finder, image, measurand, T, camera, image_pose) for measurand in expected]
 
     why = _rehearsed(
         measurands, T, camera, pose_error, lambda pose: measured(pose, rehearsal, camera, draw, rounding), draw
