@@ -31,7 +31,7 @@ import numpy as np
 
 import viewgauge as vg
 from viewgauge.geometry import invert, transform
-from viewgauge.jobs.images.validate import describe_validation
+from viewgauge.jobs.images.validation_tables import describe_validation
 from viewgauge.measurement.image.edges import EdgeFinder
 from viewgauge.measurement.image.expected_edges import ExpectedMeasurand
 from viewgauge.measurement.image.image_pose import find_image_pose

@@ -11,7 +11,8 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.exceptions import InputError
-from viewgauge.jobs.images.validate import LEVELS, Coverage, describe_validation, write_validation
+from viewgauge.jobs.images.validation import LEVELS, Coverage
+from viewgauge.jobs.images.validation_tables import describe_validation, write_validation
 from viewgauge.simulation.image_sensor import ImageSensor
 
 pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")

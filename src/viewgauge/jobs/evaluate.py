@@ -197,9 +197,10 @@ def evaluate_into(
     threads = None if isinstance(executor, InProcess) else 1
     characteristics, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
     size = _chunk_size(method, viewpoints_per_chunk)
+    attrs = _attributes(inspection, method, precision)
     best: BestRows | None = None
     with (
-        _store(path, inspection, ids, characteristics, job, size, method, precision, columns is not None) as store,
+        _store(path, inspection, ids, job, size, attrs, columns is not None) as store,
         progress.stage(_stage(len(source), method, precision), len(source)) as advance,
     ):
         chunks = chunks_of(source, size)
@@ -279,13 +280,18 @@ def _store(
     path: str | PathLike[str] | None,
     inspection: Inspection,
     ids: Sequence[str],
-    characteristics: tuple[Characteristic, ...],
     job: TableJob,
     size: int,
-    method: Method,
-    precision: float,
+    attrs: Mapping[str, str | float],
     asked_for: bool,
 ) -> Iterator[TableStore | None]:
+    """The open table of a path, chunks of ``size`` viewpoints; None where nothing is written.
+
+    Parameters
+    ----------
+    asked_for
+        The columns were named by the user.
+    """
     if path is None:
         yield None
         return
@@ -298,7 +304,7 @@ def _store(
             return Column(name, "whole", in_rows=asked_for)  # in rows of no use to most
         return Column(name, "flag" if name in _FLAGS else "real")
 
-    attrs = _attributes(inspection, method, precision)
+    characteristics = job.evaluation.characteristics
     layout = TableLayout(
         viewpoint_ids=ids,
         characteristic_ids=[characteristic.id for characteristic in characteristics],
@@ -308,7 +314,7 @@ def _store(
             "nominal_mm": np.array([characteristic.nominal_mm for characteristic in characteristics]),
             "allowed_error_mm": evaluator_of(job.evaluation).allowed_error_mm,
         },
-        attrs=attrs,
+        attrs=dict(attrs),
     )
     fingerprint = job_fingerprint(inspection, job.evaluation, size, layout.columns, sorted(attrs.items()))
     with open_table(path, layout, fingerprint) as store:
@@ -389,7 +395,7 @@ def success_probability(
     """
     if method != "monte-carlo":
         return first_order_probability(start, end, camera, error, relative_tolerance, method)
-    from ..simulation import estimate_success_probabilities, require_precision
+    from ..simulation import Sampling, estimate_success_probabilities, require_precision
 
     require_precision(precision)
     tolerance = np.asarray(relative_tolerance, dtype=float)
@@ -404,8 +410,6 @@ def success_probability(
         camera,
         error,
         np.broadcast_to(tolerance, shape).ravel()[seen],
-        precision=precision,
-        confidence=CONFIDENCE,
-        seed=seed,
+        sampling=Sampling(precision=precision, confidence=CONFIDENCE, seed=seed),
     ).probability
     return result.reshape(shape)
