@@ -99,7 +99,7 @@ def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, t
 
 
 def test_bad_numbers_are_reported(inspection):
-    with pytest.raises(InputError, match="acquisitions"):
+    with pytest.raises(InputError, match="repeats"):
         vg.validate(inspection, repeats=0)
     with pytest.raises(InputError, match="sample"):
         vg.validate(inspection, sample=0)

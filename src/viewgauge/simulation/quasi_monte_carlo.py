@@ -24,7 +24,7 @@ from scipy.special import ndtri, stdtrit
 from ..exceptions import InputError
 from ..geometry import PoseError
 from ..sensors import Camera
-from .camera_draws import CameraDraws, end_deviation_px
+from .camera_draws import CameraDraws, drawn_view
 from .full_camera import (
     Estimate,
     camera_length_errors,
@@ -239,7 +239,7 @@ class _Segment:
         self.length_mm = nominal_length(points, camera)
         self.allowed_mm = tolerance * self.length_mm
         self.axes = _steepest_first(points, camera, error)
-        self.end_deviation_px = end_deviation_px(points, camera, rim_axis)
+        self.view = None if camera.is_plain else drawn_view(points, camera, rim_axis)
         self.right = np.zeros(SCRAMBLES)
         self.relative = 0.0
         self.draws = 0
@@ -254,13 +254,11 @@ class _Segment:
         self.draws += len(errors)
 
     def _errors(self, twist: NDArray[np.float64], of_camera: NDArray[np.float64]) -> NDArray[np.float64]:
-        if self.camera.is_plain:
+        if self.view is None:
             steps = _triangular(of_camera) if of_camera.size else np.zeros((len(twist), 2))
             return exact_length_errors(self.points, self.camera, self.error, twist, steps)
         draws = CameraDraws.of(self.camera, of_camera)
-        return camera_length_errors(
-            self.points, self.camera, self.error, displacements(twist), draws, self.end_deviation_px
-        )
+        return camera_length_errors(self.view, self.error, displacements(twist), draws)
 
     @property
     def expected_accuracy(self) -> float:
