@@ -28,7 +28,7 @@ from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
 from ...simulation.true_camera import true_camera
-from ..evaluate import ViewpointsLike, viewpoints_of
+from ..given_viewpoints import ViewpointsLike, viewpoints_of
 from ..write import make_folder
 from .measure import seen_measurands
 
@@ -106,7 +106,9 @@ def simulate(
     }
     _claim(place / "simulation.json", about)
     mesh = inspection.part.mesh
-    job = _Job(Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel), sensor, camera, seed, place)
+    job = _Simulation(
+        Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel), sensor, camera, seed, place
+    )
     rows = []
     with progress.stage(f"Simulating {len(chosen) * repeats} images", len(chosen) * repeats) as advance:
         for number, (name, T) in enumerate(zip(chosen.ids, chosen.T_part_camera, strict=True)):
@@ -114,14 +116,14 @@ def simulate(
             for repeat, pose in enumerate(poses, start=1):
                 file = f"{name}_{repeat:04d}.png"
                 rows.append([file, name, repeat, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
-                job.write(file, pose, windows[number], (number, repeat))
+                simulation.write(file, pose, windows[number], (number, repeat))
                 advance(1)
     write_text_atomically(place / "acquisitions.csv", _true_poses(rows))
     return len(rows)
 
 
 @dataclass(frozen=True)
-class _Job:
+class _Simulation:
     """What all images of a simulation share."""
 
     renderer: Renderer

@@ -13,7 +13,7 @@ from ...execution.progress import Progress, Silent
 from ...planning import without_allowed_error
 from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...simulation.image_sensor import ImageSensor
-from ..evaluate import ViewpointsLike, viewpoints_of
+from ..given_viewpoints import ViewpointsLike, viewpoints_of
 from .measure import Edges, require_edges, seen_measurands
 from .validated_viewpoint import ValidatedViewpoint, ValidationJob, validated_viewpoint
 from .validation import Validation
