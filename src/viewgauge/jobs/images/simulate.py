@@ -88,27 +88,21 @@ def simulate(
         raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
     windows = _windows(inspection, chosen, only)
     camera = true_camera(inspection.camera, np.random.default_rng([seed, _CALIBRATION]))
-    place = make_folder(folder)
+    place, mesh = make_folder(folder), inspection.part.mesh
+    renderer = Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel)
+    simulation = _Simulation(renderer, sensor, camera, seed, place)
     about = {
         "inputs": dict(inspection.inputs),
         "viewpoints": {name: T.tolist() for name, T in zip(chosen.ids, chosen.T_part_camera, strict=True)},
         "repeats": repeats,
         "sensor": asdict(sensor),
         "rays_per_pixel": rays_per_pixel,
-        "chord_error_mm": inspection.part.mesh.chord_error_mm,
+        "chord_error_mm": mesh.chord_error_mm,
         "only": list(only),
-        "true_camera": {
-            "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
-            "principal_point_px": list(camera.principal_point),
-            "distortion": None if camera.lens is None else list(camera.lens.coefficients),
-        },
+        "true_camera": _intrinsics(camera),
         "seed": seed,
     }
     _claim(place / "simulation.json", about)
-    mesh = inspection.part.mesh
-    job = _Simulation(
-        Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel), sensor, camera, seed, place
-    )
     rows = []
     with progress.stage(f"Simulating {len(chosen) * repeats} images", len(chosen) * repeats) as advance:
         for number, (name, T) in enumerate(zip(chosen.ids, chosen.T_part_camera, strict=True)):
@@ -138,6 +132,14 @@ class _Simulation:
             rng = np.random.default_rng([self.seed, *number])
             grey = partial_image(self.renderer, self.sensor, pose, self.camera, windows, rng)
             write_png(self.folder / file, grey, self.sensor.bits)
+
+
+def _intrinsics(camera: Camera) -> dict[str, Any]:
+    return {
+        "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
+        "principal_point_px": list(camera.principal_point),
+        "distortion": None if camera.lens is None else list(camera.lens.coefficients),
+    }
 
 
 def _true_poses(rows: Sequence[Sequence[object]]) -> str:
