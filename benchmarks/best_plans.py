@@ -22,7 +22,7 @@ import viewgauge as vg
 from viewgauge.execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from viewgauge.geometry import invert, transform
 from viewgauge.planning import without_allowed_error
-from viewgauge.simulation import estimate_success_probabilities
+from viewgauge.simulation import Sampling, estimate_success_probabilities
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 MODEL_ERROR = 3e-4  # of a probability without warning: docs/paper/validity.md
@@ -99,9 +99,7 @@ def confirmed(inspection: vg.Inspection, plan: vg.Plan, precision: float) -> tup
         inspection.camera,
         inspection.pose_error,
         np.array(tolerance),
-        precision=precision,
-        confidence=CONFIDENCE,
-        seed=1,
+        sampling=Sampling(precision=precision, confidence=CONFIDENCE, seed=1),
     )
     said = np.array([d.probability for d in met])
     outside = (said < exact.low - MODEL_ERROR) | (said > exact.high + MODEL_ERROR)

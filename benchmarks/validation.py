@@ -31,10 +31,10 @@ import numpy as np
 
 import viewgauge as vg
 from viewgauge.geometry import invert, transform
-from viewgauge.jobs.images.validate import describe_validation
+from viewgauge.jobs.images.validation_tables import describe_validation
 from viewgauge.measurement.image.edges import EdgeFinder
 from viewgauge.measurement.image.expected_edges import ExpectedMeasurand
-from viewgauge.measurement.image.image_pose import find_guide
+from viewgauge.measurement.image.image_pose import find_image_pose
 from viewgauge.measurement.image.measurand_image import measurand_windows, measure_in_image
 from viewgauge.sensors import Window
 from viewgauge.simulation import Estimate
@@ -228,9 +228,9 @@ def paper(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:  # noq
             rng = np.random.default_rng([1998, k, acquisition])
             image = partial_image(renderer, sensor, pose, camera, windows, rng) / 255
             finder = EdgeFinder(image, 0.0101, windows)
-            guide = find_guide(finder, measurands, T, camera, pose_error)
-            if guide is not None:
-                seen = measure_in_image(finder, image, measurands[0], T, camera, guide)
+            image_pose = find_image_pose(finder, measurands, T, camera, pose_error)
+            if image_pose is not None:
+                seen = measure_in_image(finder, image, measurands[0], T, camera, image_pose)
                 found = seen.length_mm(camera, whole_pixels=True)
                 if found is not None:
                     errors.append(found / seen.nominal_mm - 1)

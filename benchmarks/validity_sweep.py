@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 import viewgauge as vg
 from viewgauge.evaluation import image_segment, success_probability
 from viewgauge.evaluation.validity import probability_error, validity
-from viewgauge.simulation import estimate_success_probabilities
+from viewgauge.simulation import Sampling, estimate_success_probabilities
 
 STRATA = ("ordinary", "wide", "harsh", "absurd")
 LIMIT = 1e-3
@@ -145,7 +145,9 @@ def judge(setup: Rig, seed: int) -> Judged:
     given = (setup.start, setup.end, setup.camera, setup.error, setup.tolerance)
     joint = float(success_probability(*given))
     for precision in (1e-3, 4e-4, 1.5e-4):
-        estimate = estimate_success_probabilities(*given, precision=precision, confidence=CONFIDENCE, seed=seed)
+        estimate = estimate_success_probabilities(
+            *given, sampling=Sampling(precision=precision, confidence=CONFIDENCE, seed=seed)
+        )
         exact, half_width = float(estimate.probability[0]), float(estimate.half_width[0])
         if abs(abs(joint - exact) - LIMIT) > half_width:
             break

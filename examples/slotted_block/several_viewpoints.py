@@ -14,7 +14,7 @@ from viewgauge.execution.chunks import EvaluationJob, candidate_grid
 from viewgauge.jobs.planning.averaging_search import AddedAcquisitions, acquisitions_chunk, add_acquisitions
 from viewgauge.planning import CandidateGrid, PlannedViewpoint
 
-FILE = Path(__file__).parent / "acquisitions.yaml"
+FILE = Path(__file__).parent / "averaging.yaml"
 
 
 def single_plan(inspection: vg.Inspection) -> tuple[vg.Plan, EvaluationJob, list[int]]:

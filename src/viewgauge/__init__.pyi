@@ -14,7 +14,6 @@ from .jobs.check import check as check
 from .jobs.evaluate import Evaluation as Evaluation
 from .jobs.evaluate import evaluate as evaluate
 from .jobs.evaluate import evaluate_into as evaluate_into
-from .jobs.evaluate import success_probability as success_probability
 from .jobs.images.measure import measure as measure
 from .jobs.images.simulate import simulate as simulate
 from .jobs.images.validate import validate as validate
@@ -26,6 +25,7 @@ from .jobs.planning.plan import plan as plan
 from .jobs.plot import plan_chart as plan_chart
 from .jobs.plot import write_chart as write_chart
 from .jobs.read_plan import read_plan as read_plan
+from .jobs.success_probability import success_probability as success_probability
 from .jobs.write import write_evaluation as write_evaluation
 from .jobs.write import write_plan as write_plan
 from .planning.candidates.candidate_options import CandidateOptions as CandidateOptions

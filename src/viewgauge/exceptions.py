@@ -6,8 +6,8 @@
     ├── InputError (also a ValueError)      what the user gave cannot be used; exit code 2
     │   ├── InspectionFileError             the inspection file (YAML)
     │   ├── PartFileError                   the CAD file or mesh
-    │   └── ViewpointsFileError               the file of explicit camera poses (CSV)
-    ├── JobCancelledError                   somebody ended the work, such as a plan in the workbench
+    │   └── ViewpointsFileError             the file of viewpoints, that is, camera poses (CSV)
+    ├── JobCancelledError                   a user cancelled the work, such as a plan in the workbench
     └── NoCandidateError                    nothing is left to plan with; exit code 2
 
 An :class:`InputError` says what was found, what was expected, where, and what to do about it.
@@ -33,7 +33,7 @@ class ViewgaugeError(Exception):
 
 
 class JobCancelledError(ViewgaugeError):
-    """Somebody ended the work."""
+    """A user cancelled the work."""
 
 
 class InputError(ViewgaugeError, ValueError):
@@ -92,7 +92,7 @@ class PartFileError(InputError):
 
 
 class ViewpointsFileError(InputError):
-    """The file of explicit viewpoints cannot be used."""
+    """The file of viewpoints cannot be used."""
 
 
 class NoCandidateError(ViewgaugeError):

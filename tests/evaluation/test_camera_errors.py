@@ -14,7 +14,7 @@ from viewgauge.exceptions import InputError
 from viewgauge.geometry import Lens, PoseError, invert, look_at, transform, view_block
 from viewgauge.part.measurand_table import MeasurandTable
 from viewgauge.sensors import Camera, EdgeDetector
-from viewgauge.simulation import estimate_averaged_probability, estimate_success_probabilities
+from viewgauge.simulation import Sampling, estimate_averaged_probability, estimate_success_probabilities
 from viewgauge.visibility import VISIBLE
 
 PLAIN = Camera(8.0, (0.00345, 0.004), (2448, 2048))
@@ -67,7 +67,9 @@ def test_the_law_agrees_with_the_full_camera(camera, error):
     for share in (0.7, 1.6):
         T = share * image.total_error().std() / image.length_mm
         law = success_probability(SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error, T)
-        exact = estimate_success_probabilities(SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error, T, precision=1e-3)
+        exact = estimate_success_probabilities(
+            SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error, T, sampling=Sampling(precision=1e-3)
+        )
         assert (np.abs(law - exact.probability) < 1.5e-3).all(), (law, exact.probability)
         assert ((law > 0.3) & (law < 0.97)).all(), "probabilities that say something"
 
@@ -89,7 +91,7 @@ def test_a_fitted_rim_is_far_surer_than_two_points(lens):
     assert rim.sigma_camera_mm < ends.sigma_camera_mm / 4
     T = np.array([0.7, 1.6]) * rim.sigma_camera_mm / rim.length_mm
     exact = estimate_success_probabilities(
-        [RIM[0]] * 2, [RIM[1]] * 2, camera, STILL, T, precision=1e-3, rim_axis=[RIM_AXIS] * 2
+        [RIM[0]] * 2, [RIM[1]] * 2, camera, STILL, T, sampling=Sampling(precision=1e-3), rim_axis=[RIM_AXIS] * 2
     )
     assert rim.success_probability(T) == pytest.approx(
         exact.probability, abs=0.012

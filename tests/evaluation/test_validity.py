@@ -10,7 +10,7 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.evaluation import WARNINGS, probability_error, success_probability, validity
-from viewgauge.simulation import estimate_success_probabilities
+from viewgauge.simulation import Sampling, estimate_success_probabilities
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT.parent / "shared" / "reference" / "segment_probability.csv"
@@ -41,7 +41,9 @@ def test_each_warning_has_a_case_and_the_model_is_wrong_there(name):
     start, end, pose_error, tolerance = CASES[name]
     assert validity(start, end, CAMERA, pose_error, tolerance) == name
     joint = float(success_probability(start, end, CAMERA, pose_error, tolerance))
-    exact = estimate_success_probabilities([start], [end], CAMERA, pose_error, tolerance, precision=4e-4)
+    exact = estimate_success_probabilities(
+        [start], [end], CAMERA, pose_error, tolerance, sampling=Sampling(precision=4e-4)
+    )
     if name:
         assert abs(joint - exact.probability[0]) > 1e-3
     else:

@@ -313,7 +313,7 @@ def test_an_interrupt_from_the_keyboard_ends_all_without_a_word(tmp_path):
 
 def test_an_interrupt_inside_dask_is_not_lost():
     pytest.importorskip("distributed", reason="Dask is not installed")
-    from viewgauge.execution.cluster import _interrupts_afterwards
+    from viewgauge.execution.interrupts import interrupts_afterwards
 
     class Ended:
         """What is raised in a destructor is told on the error stream and forgotten."""
@@ -322,7 +322,7 @@ def test_an_interrupt_inside_dask_is_not_lost():
             signal.raise_signal(signal.SIGINT)
 
     def work():
-        with _interrupts_afterwards():
+        with interrupts_afterwards():
             Ended()
             reached.append(True)
 

@@ -15,7 +15,7 @@ from viewgauge.jobs.write import describe_answers
 from viewgauge.planning.improve.catalogue import SensorFormat
 from viewgauge.planning.inspection import ExplicitViewpoints
 
-BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "acquisitions.yaml"
+BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "averaging.yaml"
 SHORT = 1.001
 CHARACTERISTICS = ("E1", "E5", "E7", "E9")
 

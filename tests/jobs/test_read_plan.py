@@ -17,9 +17,7 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 
 @pytest.fixture(scope="module", params=["met and not", "several viewpoints"])
 def planned(request):
-    inspection = vg.load(
-        EXAMPLE / ("acquisitions.yaml" if request.param == "several viewpoints" else "inspection.yaml")
-    )
+    inspection = vg.load(EXAMPLE / ("averaging.yaml" if request.param == "several viewpoints" else "inspection.yaml"))
     wanted = ("E1", "E7", "E9")
     part = replace(inspection.part, characteristics=tuple(d for d in inspection.part.characteristics if d.id in wanted))
     requirement = inspection.requirement

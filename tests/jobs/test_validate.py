@@ -11,7 +11,8 @@ import pytest
 
 import viewgauge as vg
 from viewgauge.exceptions import InputError
-from viewgauge.jobs.images.validate import LEVELS, Coverage, describe_validation, write_validation
+from viewgauge.jobs.images.validation import LEVELS, Coverage
+from viewgauge.jobs.images.validation_tables import describe_validation, write_validation
 from viewgauge.simulation.image_sensor import ImageSensor
 
 pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
@@ -98,7 +99,7 @@ def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, t
 
 
 def test_bad_numbers_are_reported(inspection):
-    with pytest.raises(InputError, match="acquisitions"):
+    with pytest.raises(InputError, match="repeats"):
         vg.validate(inspection, repeats=0)
     with pytest.raises(InputError, match="sample"):
         vg.validate(inspection, sample=0)

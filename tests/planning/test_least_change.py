@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
+from viewgauge.error_sources import scaled_pose_error
 from viewgauge.evaluation import Evaluator, Requirement, Setup
 from viewgauge.geometry import PoseError, look_at
 from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
-from viewgauge.planning.improve.knobs import KNOBS, Rig, scaled_pose_error
+from viewgauge.planning.improve.knobs import KNOBS, Rig
 from viewgauge.planning.improve.least_change import SHORT, largest_factor, meeting, met_interval
 from viewgauge.sensors import Camera
 
@@ -70,8 +71,7 @@ def test_pixels_alone_by_hand(allowed_mm):
 
 @pytest.mark.parametrize("sigma_mm", [0.02, 0.3])
 def test_translation_alone_by_hand(sigma_mm):
-    # only along the optical axis, with an ideal edge edge_detector: the length scales with the depth, error = L sigma /
-    # Z
+    # only along the optical axis, with an ideal edge detector: the length scales with the depth, error = L sigma / Z
     pose_error = PoseError.from_standard_deviations((0, 0, sigma_mm), 0.0)
     camera = replace(CAMERA, edge_resolution_px=0.0)
     base = evaluator(0.05, camera, pose_error)
@@ -89,7 +89,7 @@ def test_what_no_factor_helps_has_none():
     setup = Rig(CAMERA, pose_error, (200.0, 300.0))
     assert largest_factor(turned(base, setup, "pixel"), POSE).factor is None
     away = POSE.copy()
-    away[0, :3, 2] *= -1  # acquisitions away: nothing is seen, whatever the errors
+    away[0, :3, 2] *= -1  # looks away: nothing is seen, whatever the errors
     away[0, :3, 0] *= -1
     assert largest_factor(turned(base, setup, "pose_error"), away).factor is None
 

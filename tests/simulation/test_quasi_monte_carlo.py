@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 import viewgauge as vg
-from viewgauge.simulation import estimate_success_probabilities, estimate_success_probability
+from viewgauge.simulation import Sampling, estimate_success_probabilities, estimate_success_probability
 
 REFERENCE = Path(__file__).resolve().parents[3] / "shared" / "reference" / "segment_probability.csv"
 
@@ -37,7 +37,7 @@ def test_reference_probabilities_of_the_full_camera_are_met():
         )
         start, end = ([row[f"{axis}{k}"] for axis in "xyz"] for k in (1, 2))
         result = estimate_success_probabilities(
-            [start], [end], camera, error, row["relative_tolerance"], confidence=0.999
+            [start], [end], camera, error, row["relative_tolerance"], sampling=Sampling(confidence=0.999)
         )
         assert result.half_width[0] <= 1e-3
         allowed = result.half_width[0] + 4.5 * row["p_joint_exact_stderr"]
@@ -48,7 +48,9 @@ def test_reference_probabilities_of_the_full_camera_are_met():
 def test_it_agrees_with_plain_draws_and_needs_fewer(tolerance):
     # both 99.9 % intervals: they miss each other in less than 2e-3 of cases; seeds fixed
     plain = estimate_success_probability(START, END, CAMERA, ERROR, tolerance, draws=500_000, rng=3)
-    quasi = estimate_success_probabilities([START], [END], CAMERA, ERROR, tolerance, confidence=0.999)[0]
+    quasi = estimate_success_probabilities(
+        [START], [END], CAMERA, ERROR, tolerance, sampling=Sampling(confidence=0.999)
+    )[0]
     assert quasi.low <= plain.high
     assert plain.low <= quasi.high
     assert quasi.high - quasi.low <= 2e-3
@@ -57,14 +59,18 @@ def test_it_agrees_with_plain_draws_and_needs_fewer(tolerance):
 
 @pytest.mark.parametrize("precision", [1e-2, 2e-3, 5e-4])
 def test_the_stated_precision_is_met_and_costs_draws(precision):
-    result = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0012, precision=precision)
+    result = estimate_success_probabilities(
+        [START], [END], CAMERA, ERROR, 0.0012, sampling=Sampling(precision=precision)
+    )
     assert 0 < result.half_width[0] <= precision
     assert result.low[0] < result.probability[0] < result.high[0]
     assert 4096 <= result.draws[0] <= 100 / precision**1.5
 
 
 def test_a_limit_of_draws_is_kept_and_the_attained_width_reported():
-    result = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0012, precision=1e-6, max_draws=10_000)
+    result = estimate_success_probabilities(
+        [START], [END], CAMERA, ERROR, 0.0012, sampling=Sampling(precision=1e-6, max_draws=10_000)
+    )
     assert result.draws[0] == 8192, "the largest power of two for each scramble"
     assert 1e-3 < result.half_width[0] < 1e-2
 
@@ -74,12 +80,12 @@ def test_intervals_cover_the_truth_as_often_as_they_say(tolerance):
     # 90 % intervals of 150 seeds against a value to 2e-4. Were the coverage exactly 0.9, fewer than 120 would cover
     # with probability 1.1e-4; near p = 1 they are wider than need be.
     truth = estimate_success_probabilities(
-        [START], [END], CAMERA, ERROR, tolerance, precision=2e-4, confidence=0.999, seed=1
+        [START], [END], CAMERA, ERROR, tolerance, sampling=Sampling(precision=2e-4, confidence=0.999, seed=1)
     ).probability[0]
     covering = 0
     for seed in range(2, 152):
         result = estimate_success_probabilities(
-            [START], [END], CAMERA, ERROR, tolerance, precision=1e-2, confidence=0.9, seed=seed
+            [START], [END], CAMERA, ERROR, tolerance, sampling=Sampling(precision=1e-2, confidence=0.9, seed=seed)
         )
         covering += bool(result.low[0] <= truth <= result.high[0])
     assert stats.binom.cdf(119, 150, 0.9) < 2e-4
@@ -98,8 +104,10 @@ def test_certain_success_and_failure_keep_an_interval():
 
 def test_a_rare_failure_is_not_taken_for_none():
     # the true probability of failure is about 1e-4, where 4096 draws see one or none
-    result = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0048, precision=2e-3)
-    truth = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0048, precision=2e-5, seed=5)
+    result = estimate_success_probabilities([START], [END], CAMERA, ERROR, 0.0048, sampling=Sampling(precision=2e-3))
+    truth = estimate_success_probabilities(
+        [START], [END], CAMERA, ERROR, 0.0048, sampling=Sampling(precision=2e-5, seed=5)
+    )
     assert 1e-5 < 1 - truth.probability[0] < 2e-3
     assert result.low[0] <= truth.probability[0] <= result.high[0]
 
@@ -113,7 +121,9 @@ def test_quantization_alone_follows_its_law():
     # a horizontal segment of 64 mm on the image: triangular between one pixel either way
     start, end, length = (-1000.0, 5.0, 500.0), (1000.0, 5.0, 500.0), 64.0
     allowed = 0.5 * 0.00345
-    result = estimate_success_probabilities([start], [end], CAMERA, NO_ERROR, allowed / length, confidence=0.9999)
+    result = estimate_success_probabilities(
+        [start], [end], CAMERA, NO_ERROR, allowed / length, sampling=Sampling(confidence=0.9999)
+    )
     assert result.low[0] <= 0.75 <= result.high[0]
     assert result.expected_accuracy[0] == pytest.approx(1 - 0.00345 / 3 / length, abs=1e-8)
 
@@ -123,7 +133,9 @@ def test_pose_error_of_one_direction_alone():
     # characteristic
     error = vg.PoseError.from_standard_deviations([0.0, 0.0, 10.0], 0.0)
     T = 0.02
-    result = estimate_success_probabilities([(-50, 0, 500)], [(50, 0, 500)], IDEAL, error, T, precision=2e-4)
+    result = estimate_success_probabilities(
+        [(-50, 0, 500)], [(50, 0, 500)], IDEAL, error, T, sampling=Sampling(precision=2e-4)
+    )
     low, high = (500 * (1 / (1 + s * T) - 1) / 10 for s in (1, -1))
     truth = stats.norm.cdf(high) - stats.norm.cdf(low)
     assert result.low[0] <= truth <= result.high[0]
@@ -132,7 +144,9 @@ def test_pose_error_of_one_direction_alone():
 
 def test_draws_behind_the_camera_fail():
     error = vg.PoseError.from_standard_deviations([0.0, 0.0, 10.0], 0.0)
-    result = estimate_success_probabilities([(-1, 0, 10)], [(1, 0, 10)], CAMERA, error, 1e12, confidence=0.9999)
+    result = estimate_success_probabilities(
+        [(-1, 0, 10)], [(1, 0, 10)], CAMERA, error, 1e12, sampling=Sampling(confidence=0.9999)
+    )
     assert result.low[0] <= stats.norm.cdf(1) <= result.high[0]
 
 
@@ -142,7 +156,9 @@ def test_a_seed_repeats_and_a_segment_does_not_depend_on_the_others():
     tolerance = np.array([0.002, 0.003, 0.004])
 
     def estimate(rows, seed=7):
-        return estimate_success_probabilities(starts[rows], ends[rows], CAMERA, ERROR, tolerance[rows], seed=seed)
+        return estimate_success_probabilities(
+            starts[rows], ends[rows], CAMERA, ERROR, tolerance[rows], sampling=Sampling(seed=seed)
+        )
 
     every = estimate([0, 1, 2])
     assert len(every) == 3
@@ -159,10 +175,6 @@ def test_no_segment_is_no_estimate():
     ("changes", "telling"),
     [
         ({"relative_tolerance": -0.01}, "relative_tolerance"),
-        ({"precision": 0.0}, "precision"),
-        ({"precision": math.nan}, "precision"),
-        ({"confidence": 1.0}, "confidence"),
-        ({"max_draws": 10}, "max_draws"),
         ({"start": [(0, 0, -1)]}, "in front of the camera"),
     ],
 )
@@ -170,3 +182,11 @@ def test_bad_arguments_are_refused(changes, telling):
     arguments = {"start": [START], "end": [END], "camera": CAMERA, "error": ERROR, "relative_tolerance": 0.01}
     with pytest.raises(vg.InputError, match=telling):
         estimate_success_probabilities(**{**arguments, **changes})
+
+
+@pytest.mark.parametrize(
+    "changes", [{"precision": 0.0}, {"precision": math.nan}, {"confidence": 1.0}, {"max_draws": 10}]
+)
+def test_a_sampling_out_of_range_is_refused(changes):
+    with pytest.raises(vg.InputError, match=next(iter(changes))):
+        Sampling(**changes)

@@ -184,7 +184,7 @@ def validate(
     output
         CSV of all pairs of viewpoints and characteristics.
     """
-    from ..jobs.images.validate import describe_validation, write_validation
+    from ..jobs.images.validation_tables import describe_validation, write_validation
 
     bars = Bars()
     with bars.stage("Reading the inspection and its part"):

@@ -4,6 +4,7 @@ viewpoints).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,9 +21,9 @@ __all__ = ["Acquisitions", "averaged_success_probability"]
 
 @dataclass(frozen=True)
 class Acquisitions:
-    """What each of n looks at characteristics brings to the error of a mean, at first order.
+    """What each of n acquisitions brings to the error of a mean, at first order.
 
-    A look measures ``measurand length · measured / nominal image length``. Its error is
+    An acquisition measures ``measurand length · measured / nominal image length``. Its error is
     ``g · (xi_common + xi) + g_c · theta + e + a (U1 + U2 - 1) + b (U3 + U4 - 1)``: xi_common, in the pose error frame,
     and theta, of the camera, are the same draws for all acquisitions, all else is drawn anew at each.
 
@@ -35,10 +36,12 @@ class Acquisitions:
     common_covariance, repeatability_covariance
         ``(6, 6)`` of xi_common and of xi, pose error frame, translation first.
     location_variance_mm2
-        ``(n,)`` of e, a sub-pixel edge detector's noise; by default none.
+        ``(n,)`` of e: a sub-pixel edge detector's noise, and what else is drawn anew; by default none.
     camera_gradient, camera_covariance
         ``(n, q)`` g_c and ``(q, q)`` of theta (:class:`~viewgauge.evaluation.camera_errors.CameraErrors`); by default
         none.
+    anew_mm2, places
+        By source the parts of ``location_variance_mm2``, and the places of its errors in theta.
     """
 
     gradient: NDArray[np.float64]
@@ -48,6 +51,8 @@ class Acquisitions:
     location_variance_mm2: NDArray[np.float64] = field(default_factory=lambda: np.zeros(()))
     camera_gradient: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     camera_covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    anew_mm2: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    places: Mapping[str, slice] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.gradient)
@@ -59,20 +64,20 @@ class Acquisitions:
     def of(
         cls, points: ArrayLike, camera: Camera, error: PoseError, rim_axis: NDArray[np.float64] | None = None
     ) -> Acquisitions:
-        """Looks at measurands.
+        """Acquisitions of measurands.
 
         Parameters
         ----------
         points
-            ``(n, 2, 3)`` mm: both ends of each measurand, in the camera frame of its look.
+            ``(n, 2, 3)`` mm: both ends of each measurand, in the camera frame of its acquisition.
         rim_axis
             ``(n, 3)``: as of :func:`~viewgauge.evaluation.camera_errors.camera_errors`.
 
         Raises
         ------
         InputError
-            If the head's common part is not stated, or a measurand is not in front of the camera or has no image
-            length.
+            If the common part of the pose error is not stated, or a measurand is not in front of the camera or has no
+            image length.
         """
         common, repeatability = error.common_covariance, error.repeatability_covariance
         if common is None or repeatability is None:
@@ -104,6 +109,8 @@ class Acquisitions:
             scale**2 * own.own_variance_mm2,
             scale[:, None] * own.gradient,
             own.covariance,
+            {name: scale**2 * variance for name, variance in own.anew_mm2.items()},
+            own.places,
         )
 
     def __len__(self) -> int:

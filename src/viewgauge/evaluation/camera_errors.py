@@ -15,18 +15,22 @@ direction of the image of the measurand and ``(alpha_i, beta_i) = n D_i^-1``:
   ends and at every acquisition by the same error of theta.
 
 In tangents of image directions; the gradients are per px of fx, fy, cx, cy, per unit of each coefficient of the lens
-and per px of the offset, in this order.
+and per px of the offset, in this order, and per standard deviation of each further error that is common.
+
+These are the sources that compiled code knows, for its speed; what else a source says of itself is in
+:mod:`viewgauge.error_sources`. A camera's ``further_errors`` are added in NumPy, and cost nothing where there are none.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..error_sources import Kind, LengthError, sources_of
 from ..errors import line_end_variance
 from ..errors.edge_location import chord_variance
 from ..geometry import VIEWS, Lens
@@ -42,24 +46,30 @@ _MOST = 4 + 12 + 1
 
 @dataclass(frozen=True)
 class CameraErrors:
-    """Of segments ``(...)``, mm on the ideal image, along the image of each.
+    """The camera's errors of the lengths of segments ``(...)``, mm on the ideal image, along the image of each.
 
     Parameters
     ----------
     half_widths_mm
         ``(..., 2)``: of the triangular errors of quantization, along u and v.
     own_variance_mm2
-        ``(...)``: of edge location, drawn anew at each acquisition.
+        ``(...)``: of what is drawn anew at each acquisition, quantization apart: edge location above all.
     gradient
         ``(..., q)``: change of the image length per unit of each error that is common to all acquisitions.
     covariance
         ``(q, q)`` of those errors; q is 0 where there are none.
+    anew_mm2
+        By source the parts of ``own_variance_mm2``.
+    places
+        By source where its errors are among the q.
     """
 
     half_widths_mm: NDArray[np.float64]
     own_variance_mm2: NDArray[np.float64]
     gradient: NDArray[np.float64]
     covariance: NDArray[np.float64]
+    anew_mm2: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    places: dict[str, slice] = field(default_factory=dict)
 
     @property
     def common_variance_mm2(self) -> NDArray[np.float64]:
@@ -91,10 +101,12 @@ class _Parameters:
             np.zeros((0, 0)) if camera.intrinsics_covariance is None else np.array(camera.intrinsics_covariance)
         )
         self.calibrated = len(calibration)
+        self.places = {"calibration": slice(0, self.calibrated)} if self.calibrated else {}
         self.covariance = np.zeros((self.calibrated + (bias > 0),) * 2)
         self.covariance[: self.calibrated, : self.calibrated] = calibration
         if bias > 0:
             self.covariance[-1, -1] = bias**2
+            self.places["edge_offset"] = slice(self.calibrated, self.calibrated + 1)
 
 
 def camera_errors(
@@ -119,20 +131,45 @@ def camera_errors(
     terms = np.zeros((len(flat), _GRADIENT + _MOST))
     _segment_terms(flat, axes, parameters.values, parameters.lens, parameters.calibrated, terms)
     f, q = camera.focal_length_mm, len(parameters.covariance)
-    return CameraErrors(
+    own = f**2 * terms[:, _OWN].reshape(shape)
+    known = CameraErrors(
         f * terms[:, :_OWN].reshape(*shape, 2),
-        f**2 * terms[:, _OWN].reshape(shape),
+        own,
         f * terms[:, _GRADIENT : _GRADIENT + q].reshape(*shape, q),
         parameters.covariance,
+        {"edge_noise": own},
+        parameters.places,
     )
+    for error in _further_errors(camera):
+        known = _with_further(known, error, np.asarray(error.deviation_mm(points, camera)))
+    return known
+
+
+def _further_errors(camera: Camera) -> list[LengthError]:
+    return [source for source in sources_of(camera) if isinstance(source, LengthError)]
+
+
+def _with_further(known: CameraErrors, error: LengthError, deviation_mm: NDArray[np.float64]) -> CameraErrors:
+    """Camera errors and one more, of which a standard deviation changes lengths by ``(...)`` mm."""
+    if error.kind is Kind.ANEW:
+        own = known.own_variance_mm2 + deviation_mm**2
+        anew = known.anew_mm2 | {error.name: deviation_mm**2}
+        return replace(known, own_variance_mm2=own, anew_mm2=anew)
+    q = len(known.covariance)
+    covariance = np.eye(q + 1)
+    covariance[:q, :q] = known.covariance
+    gradient = np.concatenate([known.gradient, deviation_mm[..., None]], axis=-1)
+    places = known.places | {error.name: slice(q, q + 1)}
+    return replace(known, gradient=gradient, covariance=covariance, places=places)
 
 
 class PairCameraErrors:
-    """The same for pairs of a block of viewpoints and a table of measurands, compiled; in tangents."""
+    """What the camera adds for pairs of a block of viewpoints and a table of measurands, compiled; in tangents."""
 
     def __init__(self, measurands: MeasurandTable, camera: Camera) -> None:
         self._points, self._axes = np.ascontiguousarray(measurands.points), np.ascontiguousarray(measurands.rim_axis)
         self._parameters = _Parameters(camera)
+        self._camera, self._further = camera, _further_errors(camera)
 
     def of(
         self, views: NDArray[np.float64], viewpoint: NDArray[np.int64], measurand: NDArray[np.int64]
@@ -152,7 +189,23 @@ class PairCameraErrors:
             parameters.covariance,
             out,
         )
+        if self._further:
+            seen = np.isfinite(out[2])
+            points = _points_of_pairs(views, viewpoint[seen], self._points[measurand[seen]])
+            for error in self._further:
+                out[2, seen] += (
+                    np.asarray(error.deviation_mm(points, self._camera)) / self._camera.focal_length_mm
+                ) ** 2
         return out
+
+
+def _points_of_pairs(
+    views: NDArray[np.float64], viewpoint: NDArray[np.int64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """``(p, 2, 3)`` mm, camera frame: points ``(p, 2, 3)`` of the part, each in the view of its viewpoint ``(p,)``."""
+    rows = views[: 12 * VIEWS].reshape(12, VIEWS)[:, viewpoint]
+    rotation, shift = rows[:9].reshape(3, 3, -1), rows[9:]
+    return np.asarray(np.einsum("ijp,pej->pei", rotation, points) + shift.T[:, None])
 
 
 @numba.njit(error_model="numpy")

@@ -4,11 +4,22 @@ without.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..error_sources import (
+    ERROR_SOURCES,
+    Component,
+    ErrorSource,
+    Kind,
+    LinearTerms,
+    components_of,
+    groups_of,
+    sources_of,
+)
 from ..errors import TotalError
 from ..geometry import PoseError, point_jacobian
 from ..sensors import Camera
@@ -17,22 +28,13 @@ from .camera_errors import camera_errors
 
 __all__ = ["GROUPS", "SOURCES", "ErrorBudget", "averaged_error_budget", "error_budget"]
 
-SOURCES = ("x", "y", "z", "rx", "ry", "rz", "pixel_u", "pixel_v", "edge_noise", "edge_offset", "calibration")
-"""The six errors of the pose, pose error frame; quantization of the two ends along either axis of the image; noise and
-common offset of a sub-pixel edge detector; and all errors of the camera's calibration together."""
+SOURCES = tuple(component.name for component in components_of(ERROR_SOURCES))
+"""The components that every budget has: the six errors of the pose, pose error frame; quantization of the two ends
+along either axis of the image; noise and common offset of a sub-pixel edge detector; and all errors of the camera's
+calibration together."""
 
-GROUPS = {
-    "translation": (0, 1, 2),
-    "rotation": (3, 4, 5),
-    "pose": (0, 1, 2, 3, 4, 5),
-    "pixels": (6, 7),
-    "camera": (6, 7, 8, 9, 10),
-}
-"""Sources that are mended together, by index."""
-
-_ALL = len(SOURCES)
-_PIXELS, _NOISE, _OFFSET, _CALIBRATION = slice(6, 8), 8, 9, 10
-
+GROUPS = groups_of(ERROR_SOURCES)
+"""Components that are mended together, by place."""
 
 _END_ON_MM = 1e-100
 """Image length up to which a segment counts as seen end-on: no sensor has it, and division by more cannot overflow."""
@@ -42,7 +44,7 @@ _END_ON_MM = 1e-100
 class ErrorBudget:
     """Variance shares of a length measured from one viewpoint, at first order; leading axes ``(...)`` of the segments.
 
-    The last axis is that of the s :data:`SOURCES`.
+    The last axis is that of the s ``components``: those of :data:`SOURCES`, and one a further error of the camera.
 
     Parameters
     ----------
@@ -60,9 +62,11 @@ class ErrorBudget:
     probability, probability_without
         ``(...)`` Pr{|error| <= T L}, and ``(..., s)`` what it would be without each source.
     group_probability_without
-        For each of :data:`GROUPS` ``(...)``: without all its sources.
+        For each of ``groups`` ``(...)``: without all its sources.
     combined_uncertainty_mm
         ``(...)`` u of the length on the part, mm (GUM 5.1.2, 5.2.2).
+    components, groups
+        Of the last axis; and what is mended together, by place.
     """
 
     sensitivity: NDArray[np.float64]
@@ -73,21 +77,66 @@ class ErrorBudget:
     probability_without: NDArray[np.float64]
     group_probability_without: dict[str, NDArray[np.float64]]
     combined_uncertainty_mm: NDArray[np.float64]
+    components: tuple[Component, ...]
+    groups: dict[str, tuple[int, ...]]
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """``(..., s)``: of each source, its correlations halved between the two; they add up to 1."""
+        """``(..., s)``: of each component, its correlations halved between the two; they add up to 1."""
         return self.own_share + self.correlation_share
 
     @property
     def group_share(self) -> dict[str, NDArray[np.float64]]:
-        """For each of :data:`GROUPS` ``(...)`` the sum of its shares."""
-        return {name: self.share[..., list(sources)].sum(axis=-1) for name, sources in GROUPS.items()}
+        """For each of ``groups`` ``(...)`` the sum of its shares."""
+        return {name: self.share[..., list(places)].sum(axis=-1) for name, places in self.groups.items()}
 
     @property
     def contribution_mm(self) -> NDArray[np.float64]:
         """``(..., s)``: ``|c_i| u_i``, the standard uncertainty of the length by each source alone, mm."""
         return np.abs(self.sensitivity) * self.standard_uncertainty
+
+
+@dataclass(frozen=True)
+class _Sources:
+    """The sources of a camera and its pose, and the places of their components in a budget."""
+
+    sources: tuple[ErrorSource, ...]
+    camera: Camera
+    pose_error: PoseError
+
+    def __iter__(self) -> Iterator[tuple[ErrorSource, slice]]:
+        place = 0
+        for source in self.sources:
+            yield source, slice(place, place + len(source.components))
+            place += len(source.components)
+
+    def places(self, kind: Kind) -> list[int]:
+        """Of the components of the sources of a kind."""
+        return [k for source, places in self if source.kind is kind for k in range(places.start, places.stop)]
+
+    @property
+    def uncertainty(self) -> NDArray[np.float64]:
+        """``(s,)``: standard uncertainty of each component."""
+        each = [source.standard_uncertainty(self.camera, self.pose_error) for source in self.sources]
+        return np.concatenate(each)
+
+    def sensitivity(self, terms: LinearTerms) -> NDArray[np.float64]:
+        """``(..., s)`` mm on the image."""
+        return np.concatenate([source.sensitivity(terms, self.camera) for source in self.sources], axis=-1)
+
+    def probabilities(
+        self, without: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+        """With all components, without each, and without each group, of a function of what is kept ``(s,)``: 1 or 0."""
+        count = len(components_of(self.sources))
+
+        def left(places: Sequence[int]) -> NDArray[np.float64]:
+            kept = np.ones(count)
+            kept[list(places)] = 0.0
+            return without(kept)
+
+        each = np.stack([left((k,)) for k in range(count)], axis=-1)
+        return left(()), each, {name: left(places) for name, places in groups_of(self.sources).items()}
 
 
 def error_budget(
@@ -122,21 +171,22 @@ def error_budget(
     length = np.where(seen, image_length, 1.0)
     direction = np.where(seen[..., None], delta, [1.0, 0.0]) / length[..., None]
     J_camera = point_jacobian(points, camera.focal_length_mm)
-    J = np.einsum("...k,...kp->...p", direction, J_camera[..., 1, :, :] - J_camera[..., 0, :, :]) @ error.adjoint
+    J_pose = np.einsum("...k,...kp->...p", direction, J_camera[..., 1, :, :] - J_camera[..., 0, :, :]) @ error.adjoint
     own = camera_errors(points, camera, rim_axis)
-    calibrated = 0 if camera.intrinsics_covariance is None else len(camera.intrinsics_covariance)
-    covariance = np.zeros((_ALL, _ALL))  # of the pose errors, mm and rad, and of the camera's, px
-    covariance[:6, :6] = error.covariance
-    covariance[6:, 6:] = np.diag(_camera_uncertainty(camera) ** 2)
-    resolution = 0.0 if camera.edge_detector is not None else camera.edge_resolution_px
-    J_pixels = np.sign(direction) * own.half_widths_mm / (resolution or 1.0)
-    noise = np.sqrt(own.own_variance_mm2) / (_camera_uncertainty(camera)[2] or 1.0)
-    offset = own.gradient[..., calibrated] if own.gradient.shape[-1] > calibrated else np.zeros(length.shape)
-    g = own.gradient[..., :calibrated]
-    calibration = np.sqrt(
-        np.maximum(np.einsum("...p,pq,...q->...", g, own.covariance[:calibrated, :calibrated], g), 0.0)
+    sources = _Sources(sources_of(camera), camera, error)
+    J = sources.sensitivity(
+        LinearTerms(
+            direction,
+            J_pose,
+            own.half_widths_mm,
+            own.anew_mm2,
+            {name: own.gradient[..., place] for name, place in own.places.items()},
+            {name: own.covariance[place, place] for name, place in own.places.items()},
+        )
     )
-    J = np.concatenate([J, J_pixels, np.stack([noise, offset, calibration], axis=-1)], axis=-1)
+    covariance = np.diag(sources.uncertainty**2)  # mm, rad, px and others; the errors of the pose are correlated
+    pose, quantized = sources.places(Kind.POSE), sources.places(Kind.TRIANGULAR)
+    covariance[np.ix_(pose, pose)] = error.covariance
     terms = J[..., :, None] * covariance * J[..., None, :]
     variance = np.maximum(terms.sum(axis=(-2, -1)), 0.0)
     each = np.diagonal(terms, axis1=-2, axis2=-1)
@@ -144,24 +194,25 @@ def error_budget(
     allowed = np.asarray(relative_tolerance, dtype=float) * length
     on_part = np.linalg.norm(points[..., 1, :] - points[..., 0, :], axis=-1) / length
 
-    def without(sources: tuple[int, ...]) -> NDArray[np.float64]:
-        kept = np.ones(_ALL)
-        kept[list(sources)] = 0.0
+    def without(kept: NDArray[np.float64]) -> NDArray[np.float64]:
         normal = J * kept
-        normal[..., _PIXELS] = 0.0
+        normal[..., quantized] = 0.0
         variance = np.einsum("...p,pq,...q->...", normal, covariance, normal)
-        law = TotalError.of_half_widths(np.sqrt(np.maximum(variance, 0.0)), own.half_widths_mm * kept[_PIXELS])
+        law = TotalError.of_half_widths(np.sqrt(np.maximum(variance, 0.0)), own.half_widths_mm * kept[quantized])
         return _where(seen, law.central_probability(allowed))
 
+    probability, without_each, without_groups = sources.probabilities(without)
     return ErrorBudget(
         sensitivity=_where(seen, J * on_part[..., None]),
         standard_uncertainty=np.broadcast_to(np.sqrt(covariance.diagonal()), J.shape).copy(),
         own_share=_where(seen, each / scale),
         correlation_share=_where(seen, (terms.sum(axis=-1) - each) / scale),
-        probability=without(()),
-        probability_without=np.stack([without((k,)) for k in range(_ALL)], axis=-1),
-        group_probability_without={name: without(sources) for name, sources in GROUPS.items()},
+        probability=probability,
+        probability_without=without_each,
+        group_probability_without=without_groups,
         combined_uncertainty_mm=_where(seen, np.sqrt(variance) * on_part),
+        components=components_of(sources.sources),
+        groups=groups_of(sources.sources),
     )
 
 
@@ -172,7 +223,7 @@ def averaged_error_budget(
     allowed_error_mm: float,
     rim_axis: NDArray[np.float64] | None = None,
 ) -> ErrorBudget:
-    """The budget of the mean of k looks at one characteristic, without leading axes.
+    """The budget of the mean of k acquisitions of one characteristic, without leading axes.
 
     What acquisitions share of the pose error acts by the mean of their gradients, what is drawn anew at each by ``1 /
     k`` of its own. A source's share counts both; its sensitivity is the one that a single error of its standard
@@ -191,59 +242,74 @@ def averaged_error_budget(
         As :meth:`Acquisitions.of`.
     """
     acquisitions = Acquisitions.of(points, camera, error, rim_axis)
-    k = len(acquisitions)
-    mean = acquisitions.gradient.mean(axis=0)
-    terms = np.zeros((_ALL, _ALL))
-    terms[:6, :6] = np.outer(mean, mean) * acquisitions.common_covariance
-    terms[:6, :6] += (
+    sources = _Sources(sources_of(camera), camera, error)
+    terms = _terms_of_mean(acquisitions, sources)
+    own, variance = terms.diagonal().copy(), float(terms.sum())
+    scale = variance if variance > 0 else 1.0
+    uncertainty = sources.uncertainty
+    contribution = np.sqrt(np.maximum(own, 0.0))
+    every = np.arange(len(acquisitions))
+
+    def without(kept: NDArray[np.float64]) -> NDArray[np.float64]:
+        left = _kept(acquisitions, sources, kept)
+        return np.asarray(left.mean_of(every).central_probability(allowed_error_mm))
+
+    probability, without_each, without_groups = sources.probabilities(without)
+    return ErrorBudget(
+        sensitivity=np.divide(contribution, uncertainty, out=np.zeros(len(own)), where=uncertainty > 0),
+        standard_uncertainty=uncertainty,
+        own_share=own / scale,
+        correlation_share=(terms.sum(axis=1) - own) / scale,
+        probability=probability,
+        probability_without=without_each,
+        group_probability_without=without_groups,
+        combined_uncertainty_mm=np.asarray(np.sqrt(max(variance, 0.0))),
+        components=components_of(sources.sources),
+        groups=groups_of(sources.sources),
+    )
+
+
+def _terms_of_mean(acquisitions: Acquisitions, sources: _Sources) -> NDArray[np.float64]:
+    """``(s, s)`` mm²: what each pair of components adds to the variance of the mean."""
+    k, count = len(acquisitions), len(components_of(sources.sources))
+    terms = np.zeros((count, count))
+    mean, camera_mean = acquisitions.gradient.mean(axis=0), acquisitions.camera_gradient.mean(axis=0)
+    pose = np.ix_(sources.places(Kind.POSE), sources.places(Kind.POSE))
+    terms[pose] = np.outer(mean, mean) * acquisitions.common_covariance
+    terms[pose] += (
         np.einsum("np,nq->pq", acquisitions.gradient, acquisitions.gradient)
         * acquisitions.repeatability_covariance
         / k**2
     )
-    terms[[6, 7], [6, 7]] = (acquisitions.half_widths_mm**2).sum(axis=0) / 6 / k**2
-    terms[_NOISE, _NOISE] = acquisitions.location_variance_mm2.sum() / k**2
-    calibrated = 0 if camera.intrinsics_covariance is None else len(camera.intrinsics_covariance)
-    g, of_camera = acquisitions.camera_gradient.mean(axis=0), acquisitions.camera_covariance
-    for source, part in ((_CALIBRATION, slice(calibrated)), (_OFFSET, slice(calibrated, None))):
-        terms[source, source] = g[part] @ of_camera[part, part] @ g[part]
-    own, variance = terms.diagonal().copy(), float(terms.sum())
-    scale = variance if variance > 0 else 1.0
-    uncertainty = np.concatenate([np.sqrt(np.maximum(error.covariance.diagonal(), 0.0)), _camera_uncertainty(camera)])
-    contribution = np.sqrt(np.maximum(own, 0.0))
+    for source, place in sources:
+        at = np.arange(place.start, place.stop)
+        if source.kind is Kind.TRIANGULAR:
+            terms[at, at] = (acquisitions.half_widths_mm**2).sum(axis=0) / 6 / k**2
+        elif source.kind is Kind.ANEW:
+            terms[at, at] = acquisitions.anew_mm2[source.name].sum() / k**2
+        elif source.kind is Kind.COMMON and source.name in acquisitions.places:
+            part = acquisitions.places[source.name]
+            g = camera_mean[part]
+            terms[at, at] = g @ acquisitions.camera_covariance[part, part] @ g
+    return terms
 
-    def without(sources: tuple[int, ...]) -> NDArray[np.float64]:
-        kept = np.ones(_ALL)
-        kept[list(sources)] = 0.0
-        camera_kept = np.where(
-            np.arange(acquisitions.camera_gradient.shape[1]) < calibrated, kept[_CALIBRATION], kept[_OFFSET]
-        )
-        left = replace(
-            acquisitions,
-            gradient=acquisitions.gradient * kept[:6],
-            half_widths_mm=acquisitions.half_widths_mm * kept[_PIXELS],
-            location_variance_mm2=acquisitions.location_variance_mm2 * kept[_NOISE],
-            camera_gradient=acquisitions.camera_gradient * camera_kept,
-        )
-        return np.asarray(left.mean_of(np.arange(k)).central_probability(allowed_error_mm))
 
-    return ErrorBudget(
-        sensitivity=np.divide(contribution, uncertainty, out=np.zeros(_ALL), where=uncertainty > 0),
-        standard_uncertainty=uncertainty,
-        own_share=own / scale,
-        correlation_share=(terms.sum(axis=1) - own) / scale,
-        probability=without(()),
-        probability_without=np.stack([without((source,)) for source in range(_ALL)]),
-        group_probability_without={name: without(sources) for name, sources in GROUPS.items()},
-        combined_uncertainty_mm=np.asarray(np.sqrt(max(variance, 0.0))),
+def _kept(acquisitions: Acquisitions, sources: _Sources, kept: NDArray[np.float64]) -> Acquisitions:
+    """The acquisitions with the components that are kept, ``(s,)``: 1 or 0."""
+    camera_kept = np.ones(acquisitions.camera_gradient.shape[1])
+    anew = dict(acquisitions.anew_mm2)
+    for source, place in sources:
+        if source.kind is Kind.ANEW:
+            anew[source.name] = anew[source.name] * kept[place.start]
+        elif source.kind is Kind.COMMON and source.name in acquisitions.places:
+            camera_kept[acquisitions.places[source.name]] = kept[place.start]
+    return replace(
+        acquisitions,
+        gradient=acquisitions.gradient * kept[sources.places(Kind.POSE)],
+        half_widths_mm=acquisitions.half_widths_mm * kept[sources.places(Kind.TRIANGULAR)],
+        location_variance_mm2=np.sum(list(anew.values()), axis=0),
+        camera_gradient=acquisitions.camera_gradient * camera_kept,
     )
-
-
-def _camera_uncertainty(camera: Camera) -> NDArray[np.float64]:
-    """Standard uncertainties of the camera's sources, in the order of :data:`SOURCES`."""
-    edge_detector = camera.edge_detector
-    quantization = 0.0 if edge_detector is not None else camera.edge_resolution_px / np.sqrt(6)
-    noise, offset = (0.0, 0.0) if edge_detector is None else (edge_detector.noise_px, edge_detector.bias_px)
-    return np.array([quantization, quantization, noise, offset, float(camera.intrinsics_covariance is not None)])
 
 
 def _where(seen: NDArray[np.bool_], values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Work in a child process that tells how far it is, and that can be ended at any moment."""
+"""Work in a child process that reports how far it is, and that can be ended at any moment."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Job(Generic[_Result]):
     memory_bytes
         Limit of the child's address space (POSIX only); None for none.
     timeout_s
-        After which it is ended; None for never.
+        Seconds after which it is ended; None for never.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Job(Generic[_Result]):
         )
         self._process.start()
         theirs.close()
-        self._watcher, self._outcome = watcher, _Outcome[_Result]()
+        self._watcher, self._outcome = watcher, _ChildResult[_Result]()
         self._cancelled, self._over = threading.Event(), threading.Event()
         self._deadline = None if timeout_s is None else time.monotonic() + timeout_s
         self._timeout_s = timeout_s
@@ -81,7 +81,7 @@ class Job(Generic[_Result]):
 
     @property
     def running(self) -> bool:
-        """Neither done nor ended."""
+        """Whether it is neither done nor ended."""
         return not self._over.is_set()
 
     def cancel(self) -> None:
@@ -94,7 +94,7 @@ class Job(Generic[_Result]):
         Raises
         ------
         JobCancelledError
-            If somebody ended it.
+            If it was cancelled.
         ViewgaugeError
             What the function raised, or that it took too long, or that the child crashed.
         """
@@ -114,29 +114,31 @@ class Job(Generic[_Result]):
             connection.close()
             self._over.set()
 
-    def _heard(self, connection: Connection) -> _Outcome[_Result]:
+    def _heard(self, connection: Connection) -> _ChildResult[_Result]:
         """Listens until there is an outcome."""
         while True:
             if self._cancelled.is_set():
-                return _Outcome(error=JobCancelledError("ended on request"))
+                return _ChildResult(error=JobCancelledError("ended on request"))
             if self._deadline is not None and time.monotonic() > self._deadline:
-                return _Outcome(error=ViewgaugeError(f"it took longer than {self._timeout_s:g} s"))
+                return _ChildResult(error=ViewgaugeError(f"it took longer than {self._timeout_s:g} s"))
             try:
                 if not connection.poll(_REPORT_EVERY_S):
                     continue
                 kind, content = connection.recv()
             except (EOFError, OSError):
                 self._process.join()
-                return _Outcome(error=ViewgaugeError(f"the work crashed (exit code {self._process.exitcode})"))
+                return _ChildResult(error=ViewgaugeError(f"the work crashed (exit code {self._process.exitcode})"))
             if kind == "stage":
                 if self._watcher is not None:
                     self._watcher(content)
             else:
-                return _Outcome(error=content) if kind == "error" else _Outcome(result=(content,))
+                return _ChildResult(error=content) if kind == "error" else _ChildResult(result=(content,))
 
 
 @dataclass(frozen=True)
-class _Outcome(Generic[_Result]):
+class _ChildResult(Generic[_Result]):
+    """What a child process has returned, or the error it has ended with."""
+
     result: tuple[_Result] | None = None
     error: BaseException | None = None
 
@@ -147,7 +149,7 @@ class _Outcome(Generic[_Result]):
 
 
 class _Reporter:
-    """Tells the parent of stages, but not more often than it can be shown."""
+    """Reports stages to the parent, but not more often than they can be shown."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._last = connection, 0.0
@@ -174,7 +176,7 @@ class _Reporter:
 def _run(
     connection: Connection, memory_bytes: int | None, work: Callable[..., object], arguments: tuple[Any, ...]
 ) -> None:
-    """In the child."""
+    """What the child process does."""
     if memory_bytes is not None and os.name == "posix":
         import resource
 
@@ -189,7 +191,7 @@ def _run(
         outcome = ("error", error)
     except MemoryError:
         outcome = ("error", ViewgaugeError("it needs more memory than it is allowed"))
-    except Exception as error:  # a defect of ours must not end the page: it is told as one
+    except Exception as error:  # a defect of ours must not end the page: it is reported as one
         outcome = ("error", ViewgaugeError(f"an unexpected error: {type(error).__name__}: {error}"))
     with contextlib.suppress(OSError):
         connection.send(outcome)

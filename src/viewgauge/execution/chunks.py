@@ -274,7 +274,7 @@ def simulate_pairs(
     seed: int,
 ) -> FullModelEstimates:
     """The full camera model's word on visible pairs ``(n, 2)`` of a table: indices of viewpoint and characteristic."""
-    from ..simulation import estimate_success_probabilities
+    from ..simulation import Sampling, estimate_success_probabilities
 
     viewpoint, characteristic = pairs.T
     measurands = [job.characteristics[j].measurands[table.measurand[k, j]] for k, j in pairs]
@@ -286,8 +286,6 @@ def simulate_pairs(
         job.setup.camera,
         job.setup.pose_error,
         table.relative_tolerance[viewpoint, characteristic],
-        precision=precision,
-        confidence=CONFIDENCE,
-        seed=seed,
+        sampling=Sampling(precision=precision, confidence=CONFIDENCE, seed=seed),
         rim_axis=rim_axes(measurands, poses[viewpoint]),
     )

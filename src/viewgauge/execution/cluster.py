@@ -3,8 +3,8 @@
 What all chunks share travels as a worker plugin: Dask's scheduler keeps it and gives it once to each worker, to those
 also that join later or replace a lost one. (Scattered data is lost with the workers that hold it.) When a worker is
 lost, Dask runs its chunks again elsewhere. A chunk whose workers were lost more than ``allowed-failures`` times
-(Dask's viewpoint; 1 in a cluster started here, 3 by default) may be what kills them, or may have waited behind the one
-that does: it is set aside until all others are done, and run once more with nothing beside it. If its workers are
+(Dask's configuration; 1 in a cluster started here, 3 by default) may be what kills them, or may have waited behind the
+one that does: it is set aside until all others are done, and run once more with nothing beside it. If its workers are
 lost again, it is to blame, and named when the others have had their turn, or two more are to blame.
 """
 
@@ -12,18 +12,13 @@ from __future__ import annotations
 
 import itertools
 import logging
-import signal
 import socket
-import threading
 import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
-from functools import cache
 from importlib import metadata
-from multiprocessing import resource_tracker
 from typing import Any, Generic, TypeVar
 from urllib.parse import urlsplit
 
@@ -31,6 +26,8 @@ import dask
 import distributed
 
 from ..exceptions import InputError, ViewgaugeError
+from .interrupts import interrupts_afterwards, interrupts_wait
+from .worker_tasks import WorkerTask, deliver, other_version, own_version, withdraw
 
 __all__ = ["Cluster", "local", "remote"]
 
@@ -41,15 +38,14 @@ Result = TypeVar("Result")
 _CONNECT_S = 5.0
 _FIRST_WORKER_S = 30.0
 _ALL_LOST_S = 300.0  # without any worker, after which the job is given up
-_COMMON_S = 120.0  # for what is common to arrive at a worker that joined
-_ACQUISITION_S = 1.0  # between two looks at how many workers there are
+_COUNT_EVERY_S = 1.0  # between two counts of the workers
 _RETRY_S = 0.2
 _DELIVER_S = 60.0  # to give the workers what is common, while some of them are being lost
 _GUILTY = 3  # items that end their workers, after which no more are tried
 _AHEAD = 2  # chunks under way for each thread of the workers: one runs, one waits
 _QUIET = ("distributed", "distributed.client", "distributed.nanny", "distributed.scheduler", "distributed.worker")
 _THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_LOCAL_VIEWPOINTS = {
+_LOCAL_CONFIGURATION = {
     "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, "1"),
     "distributed.scheduler.allowed-failures": 1,
     "distributed.scheduler.http.routes": [],
@@ -68,8 +64,8 @@ def local(workers: int) -> Iterator[Cluster]:
     """
     with ExitStack() as stack:
         stack.enter_context(_quiet())
-        stack.enter_context(dask.config.set(_LOCAL_VIEWPOINTS))
-        with _interrupts_wait():
+        stack.enter_context(dask.config.set(_LOCAL_CONFIGURATION))
+        with interrupts_wait():
             try:
                 cluster = distributed.LocalCluster(
                     n_workers=workers,
@@ -90,25 +86,6 @@ def local(workers: int) -> Iterator[Cluster]:
                 ) from error
             stack.enter_context(cluster)
         yield Cluster(stack.enter_context(distributed.Client(cluster, set_as_default=False)))
-
-
-@contextmanager
-def _interrupts_wait() -> Iterator[None]:
-    """SIGINT waits until the block ends, and reaches no process that Dask starts from here, now or later.
-
-    A terminal sends it to all processes of a job. A worker would tell of it with a traceback, its own and each that
-    takes its place; this process ends its workers in any case. Threads inherit what is blocked, and so do processes
-    from the thread that starts them: Dask's threads begin in the block, and all workers from them.
-    """
-    if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system
-        yield
-        return
-    resource_tracker.ensure_running()  # whoever starts it unblocks SIGINT, later it would be one of Dask's threads
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -169,7 +146,7 @@ class Cluster:
         """
         if not len(items):
             return
-        job = _Job(self._client, uuid.uuid4().hex, items)
+        job = _ClusterRun(self._client, uuid.uuid4().hex, items)
         name = f"viewgauge-{job.token}"
         try:
             with _connection():
@@ -196,23 +173,6 @@ class Cluster:
 
 
 @contextmanager
-def _interrupts_afterwards() -> Iterator[None]:
-    """SIGINT is raised when the block ends: inside Dask it may meet a destructor, where Python tells and forgets it."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    came: list[Any] = []
-    signal.signal(signal.SIGINT, lambda *what: came.append(what))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if came:
-        before(*came[0])
-
-
-@contextmanager
 def _connection() -> Iterator[None]:
     """The errors that Dask has where its scheduler is gone as one that tells so."""
     try:
@@ -224,7 +184,7 @@ def _connection() -> Iterator[None]:
         ) from error
 
 
-class _Job(Generic[Item]):
+class _ClusterRun(Generic[Item]):
     """The chunks of one call: which are under way, which are yet to be sent, which may kill their workers."""
 
     def __init__(self, client: distributed.Client, token: str, items: Sequence[Item]) -> None:
@@ -238,12 +198,12 @@ class _Job(Generic[Item]):
         self._guilty: list[int] = []
         self._attempts = itertools.count()
         self._threads = 1
-        self._looked = self._seen_workers = float("-inf")
+        self._counted = self._seen_workers = float("-inf")
 
     def results(self) -> Iterator[tuple[int, Any]]:
         self._seen_workers = time.monotonic()
         while True:
-            with _connection(), _interrupts_afterwards():
+            with _connection(), interrupts_afterwards():
                 outcomes = self._outcomes()
             if outcomes is None:
                 if self._guilty:
@@ -281,7 +241,7 @@ class _Job(Generic[Item]):
 
     def _send(self) -> bool:
         """Send as many chunks as the workers are ready for; whether any is under way."""
-        self._acquisition()
+        self._count_workers()
         while len(self._under_way) < _AHEAD * self._threads:
             index = next(self._waiting, None)
             if index is None:
@@ -293,22 +253,22 @@ class _Job(Generic[Item]):
         return bool(self._under_way)
 
     def _submit(self, index: int) -> None:
-        task = _Task(self.token, _version(), self._items[index])
+        task = WorkerTask(self.token, own_version(), self._items[index])
         key = f"viewgauge-{self.token}-{index}-{next(self._attempts)}"
         self._under_way[self._client.submit(task, key=key, pure=False)] = index
 
     def _done(self) -> list[Any]:
         """Futures that are done: at least one, unless there was none for a while."""
         with suppress(distributed.TimeoutError), self._client.as_current():
-            distributed.wait(list(self._under_way), timeout=_ACQUISITION_S, return_when="FIRST_COMPLETED")
+            distributed.wait(list(self._under_way), timeout=_COUNT_EVERY_S, return_when="FIRST_COMPLETED")
         return [future for future in self._under_way if future.done()]
 
-    def _acquisition(self) -> None:
+    def _count_workers(self) -> None:
         now = time.monotonic()
-        if now - self._looked < _ACQUISITION_S:
+        if now - self._counted < _COUNT_EVERY_S:
             return
         threads = sum(self._client.nthreads().values())
-        self._looked, self._threads = now, max(threads, 1)
+        self._counted, self._threads = now, max(threads, 1)
         if threads:
             self._seen_workers = now
         elif now - self._seen_workers > _ALL_LOST_S:
@@ -332,25 +292,6 @@ class _Job(Generic[Item]):
         )
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One chunk as it travels: Dask looks for no futures in it."""
-
-    token: str
-    version: str
-    item: Any
-
-    def __call__(self) -> Any:
-        if self.version != _version():
-            raise _other_version(self.version, f"a worker: {_version()}")
-        function, common = _delivered(self.token)
-        return function(common, self.item)
-
-
-_DELIVERIES: dict[str, tuple[Callable[[Any, Any], Any], Any] | None] = {}  # by the job's token; None: it has ended
-_ARRIVAL = threading.Condition()
-
-
 class _Delivery(distributed.WorkerPlugin):  # type: ignore[misc] # Dask's types are not read
     """Brings function and what is common to a worker, and takes them away with the job."""
 
@@ -359,28 +300,14 @@ class _Delivery(distributed.WorkerPlugin):  # type: ignore[misc] # Dask's types 
         self._content = function, common
 
     def setup(self, worker: Any) -> None:  # noqa: ARG002 - the base class's
-        with _ARRIVAL:
-            _DELIVERIES[self._token] = self._content
-            _ARRIVAL.notify_all()
+        deliver(self._token, self._content)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - the base class's
-        with _ARRIVAL:
-            _DELIVERIES[self._token] = None
-            _ARRIVAL.notify_all()
-
-
-def _delivered(token: str) -> tuple[Callable[[Any, Any], Any], Any]:
-    """Function and what is common; a worker that has just joined can get its first chunk before them."""
-    with _ARRIVAL:
-        _ARRIVAL.wait_for(lambda: token in _DELIVERIES, _COMMON_S)
-        delivery = _DELIVERIES.get(token)
-    if delivery is None:
-        raise ViewgaugeError("a worker did not get what all chunks share, or was late: the job had ended")
-    return delivery
+        withdraw(self._token)
 
 
 def _require_equals(client: distributed.Client, scheduler: str) -> None:
-    """Refuse a cluster without workers, or with another version of viewgauge anywhere in it."""
+    """Raise InputError for a cluster without workers, or with another version of viewgauge anywhere in it."""
     try:
         client.wait_for_workers(1, timeout=_FIRST_WORKER_S)
     except TimeoutError as error:
@@ -399,24 +326,9 @@ def _require_equals(client: distributed.Client, scheduler: str) -> None:
     for place, version in found.items():
         if isinstance(version, OSError):  # lost meanwhile
             continue
-        if version != _version():
+        if version != own_version():
             reported = "none" if isinstance(version, metadata.PackageNotFoundError) else str(version)
-            raise _other_version(_version(), f"{place}: {reported}")
-
-
-def _other_version(expected: str, got: str) -> InputError:
-    return InputError(
-        "all parts of the cluster need the same version of viewgauge",
-        key="scheduler",
-        got=got,
-        expected=f"{expected}, as here",
-        hint=f"install viewgauge {expected} for the scheduler and its workers, and start them again",
-    )
-
-
-@cache
-def _version() -> str:
-    return metadata.version("viewgauge")
+            raise other_version(own_version(), f"{place}: {reported}")
 
 
 def _short(item: object) -> str:

@@ -6,14 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..evaluation import COLUMNS, WARNINGS, BestRows, as_dataset
-from ..evaluation import success_probability as first_order_probability
-from ..exceptions import InputError, NoCandidateError
+from ..exceptions import InputError
 from ..execution.chunks import (
     CONFIDENCE,
     DEFAULT_PRECISION,
@@ -21,7 +20,6 @@ from ..execution.chunks import (
     EvaluationJob,
     TableJob,
     ViewpointSource,
-    candidate_grid,
     chunks_of,
     evaluator_of,
     require_chunk_size,
@@ -30,31 +28,20 @@ from ..execution.chunks import (
 from ..execution.executor import Executor, InProcess
 from ..execution.fingerprint import job_fingerprint
 from ..execution.progress import Progress, Silent
-from ..formats.poses.viewpoints_file import read_viewpoints
-from ..geometry import PoseError, require_poses
 from ..part import Characteristic
 from ..planning import without_allowed_error
-from ..planning.inspection import ExplicitViewpoints, Inspection
-from ..sensors import Camera
+from ..planning.inspection import Inspection
 from ..visibility import REASONS
+from .given_viewpoints import ViewpointsLike, sampled_viewpoints, viewpoints_of
+from .success_probability import Method
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ..formats.tables.table_store import TableStore
 
-__all__ = [
-    "Evaluation",
-    "Method",
-    "ViewpointsLike",
-    "evaluate",
-    "evaluate_into",
-    "success_probability",
-    "viewpoints_of",
-]
+__all__ = ["Evaluation", "evaluate", "evaluate_into"]
 
-Method = Literal["joint", "independent", "monte-carlo"]
-ViewpointsLike = ExplicitViewpoints | str | PathLike[str] | ArrayLike | None
 
 _SIMULATED_PER_CHUNK = 32  # viewpoints between two signs of progress
 _OPTIONAL = ("validity", "probability_low", "probability_high")  # in files after the standard columns
@@ -106,7 +93,7 @@ def evaluate(
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What is left of a table that was written elsewhere, or nowhere.
+    """What is known of a table that was written chunk by chunk, or not written at all.
 
     Parameters
     ----------
@@ -189,7 +176,7 @@ def evaluate_into(
     if sampled:
         if viewpoints is not None:
             raise InputError("sampled candidates and given viewpoints exclude each other", key="viewpoints")
-        source, ids = _sampled(inspection)
+        source, ids = sampled_viewpoints(inspection)
     else:
         source = chosen = viewpoints_of(inspection, viewpoints)
         ids = chosen.ids
@@ -197,9 +184,10 @@ def evaluate_into(
     threads = None if isinstance(executor, InProcess) else 1
     characteristics, job = _job(inspection, source, method, precision, threads, wanted if path is not None else ())
     size = _chunk_size(method, viewpoints_per_chunk)
+    attrs = _attributes(inspection, method, precision)
     best: BestRows | None = None
     with (
-        _store(path, inspection, ids, characteristics, job, size, method, precision, columns is not None) as store,
+        _store(path, inspection, ids, job, size, attrs, columns is not None) as store,
         progress.stage(_stage(len(source), method, precision), len(source)) as advance,
     ):
         chunks = chunks_of(source, size)
@@ -279,13 +267,18 @@ def _store(
     path: str | PathLike[str] | None,
     inspection: Inspection,
     ids: Sequence[str],
-    characteristics: tuple[Characteristic, ...],
     job: TableJob,
     size: int,
-    method: Method,
-    precision: float,
+    attrs: Mapping[str, str | float],
     asked_for: bool,
 ) -> Iterator[TableStore | None]:
+    """The open table of a path, chunks of ``size`` viewpoints; None where nothing is written.
+
+    Parameters
+    ----------
+    asked_for
+        The columns were named by the user.
+    """
     if path is None:
         yield None
         return
@@ -298,7 +291,7 @@ def _store(
             return Column(name, "whole", in_rows=asked_for)  # in rows of no use to most
         return Column(name, "flag" if name in _FLAGS else "real")
 
-    attrs = _attributes(inspection, method, precision)
+    characteristics = job.evaluation.characteristics
     layout = TableLayout(
         viewpoint_ids=ids,
         characteristic_ids=[characteristic.id for characteristic in characteristics],
@@ -308,7 +301,7 @@ def _store(
             "nominal_mm": np.array([characteristic.nominal_mm for characteristic in characteristics]),
             "allowed_error_mm": evaluator_of(job.evaluation).allowed_error_mm,
         },
-        attrs=attrs,
+        attrs=dict(attrs),
     )
     fingerprint = job_fingerprint(inspection, job.evaluation, size, layout.columns, sorted(attrs.items()))
     with open_table(path, layout, fingerprint) as store:
@@ -318,94 +311,3 @@ def _store(
 def _with_writer(job: TableJob, store: TableStore | None) -> TableJob:
     writer = getattr(store, "writer", None)
     return job if writer is None else replace(job, writer=writer())
-
-
-def viewpoints_of(inspection: Inspection, viewpoints: ViewpointsLike) -> ExplicitViewpoints:
-    """Viewpoints as they may be given: a file, poses, or those that the inspection names; raises InputError."""
-    if viewpoints is None:
-        if inspection.viewpoints is None:
-            raise InputError(
-                "no viewpoints to evaluate", hint="give a viewpoints file (CSV), or name one in candidates.viewpoints"
-            )
-        return inspection.viewpoints
-    if isinstance(viewpoints, str | PathLike):
-        return ExplicitViewpoints(*read_viewpoints(viewpoints))
-    if not isinstance(viewpoints, ExplicitViewpoints):
-        poses = require_poses(viewpoints, "viewpoints").reshape(-1, 4, 4)
-        viewpoints = ExplicitViewpoints(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
-    if not len(viewpoints):
-        raise InputError("no viewpoints to evaluate", key="viewpoints", got="no pose", expected="at least one")
-    return viewpoints
-
-
-def _sampled(inspection: Inspection) -> tuple[ViewpointSource, Sequence[str]]:
-    characteristics, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
-    if not characteristics:
-        raise NoCandidateError("nothing can be measured, so no viewpoint is sampled: see viewgauge check")
-    grid = candidate_grid(inspection, characteristics)
-    return grid, _Numbered(len(grid))
-
-
-class _Numbered(Sequence[str]):
-    """The names C1, C2, … of any number of viewpoints, made when they are asked for."""
-
-    def __init__(self, count: int) -> None:
-        self._places = range(1, count + 1)
-
-    def __len__(self) -> int:
-        return len(self._places)
-
-    @overload
-    def __getitem__(self, k: int) -> str: ...
-    @overload
-    def __getitem__(self, k: slice) -> list[str]: ...
-    def __getitem__(self, k: int | slice) -> str | list[str]:
-        return [f"C{place}" for place in self._places[k]] if isinstance(k, slice) else f"C{self._places[k]}"
-
-
-def success_probability(
-    start: ArrayLike,
-    end: ArrayLike,
-    camera: Camera,
-    error: PoseError,
-    relative_tolerance: ArrayLike,
-    method: Method = "joint",
-    *,
-    precision: float = DEFAULT_PRECISION,
-    seed: int = 0,
-) -> NDArray[np.float64]:
-    """Pr{|measured - nominal image length| <= T L} of segments (paper, eq. 20); arguments broadcast.
-
-    Parameters
-    ----------
-    start, end
-        ``(..., 3)`` mm, camera frame. A segment with an end behind the camera has probability 0.
-    relative_tolerance
-        T = 1 - required accuracy.
-    method
-        "joint", "independent", or "monte-carlo" (the full camera model).
-    precision, seed
-        With "monte-carlo": half-width of the 99 % confidence interval, and the seed of the draws.
-    """
-    if method != "monte-carlo":
-        return first_order_probability(start, end, camera, error, relative_tolerance, method)
-    from ..simulation import estimate_success_probabilities, require_precision
-
-    require_precision(precision)
-    tolerance = np.asarray(relative_tolerance, dtype=float)
-    start, end = np.broadcast_arrays(np.asarray(start, dtype=float), np.asarray(end, dtype=float))
-    shape = np.broadcast_shapes(start.shape[:-1], tolerance.shape)
-    starts, ends = (np.broadcast_to(p, (*shape, 3)).reshape(-1, 3) for p in (start, end))
-    seen = (starts[:, 2] > 0) & (ends[:, 2] > 0)
-    result = np.zeros(len(starts))
-    result[seen] = estimate_success_probabilities(
-        starts[seen],
-        ends[seen],
-        camera,
-        error,
-        np.broadcast_to(tolerance, shape).ravel()[seen],
-        precision=precision,
-        confidence=CONFIDENCE,
-        seed=seed,
-    ).probability
-    return result.reshape(shape)

@@ -17,6 +17,7 @@ __all__ = [
     "DARK",
     "LIGHT",
     "NOT_MET_COLOUR",
+    "OTHER_SOURCE_COLOUR",
     "SOURCE_COLOURS",
     "UNSEEN_COLOUR",
     "Theme",
@@ -42,6 +43,9 @@ SOURCE_COLOURS = {
     "calibration": "#009e73",
 }
 """Of the error budget."""
+
+OTHER_SOURCE_COLOUR = "#cc79a7"
+"""Of a source of error that a camera has beside these."""
 
 _UNSURE, _NEARLY = (122, 4, 3), (240, 150, 50)  # at 0, and just below what is required
 _JUST, _SURE = (86, 170, 232), (0, 60, 130)  # at what is required, and at 1

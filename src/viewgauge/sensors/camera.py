@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from numbers import Real
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +15,7 @@ from ..geometry.image_jacobian import point_jacobian
 from ..geometry.lens import Lens
 from .edge_detector import EdgeDetector
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "FurtherError"]
 
 
 def _finite_positive(name: str, value: float) -> None:
@@ -27,6 +28,17 @@ def _two_numbers(name: str, value: object) -> tuple[float, float]:
     if pair.shape != (2,) or pair.dtype.kind not in "iuf" or not np.isfinite(pair).all():
         raise InputError("must be two finite numbers, along u and v", key=name, got=value)
     return float(pair[0]), float(pair[1])
+
+
+class FurtherError(Protocol):
+    """An error of the image length that a camera has beside those of its pixels, edges and calibration.
+
+    It is a :class:`~viewgauge.error_sources.LengthError`.
+    """
+
+    @property
+    def name(self) -> str:
+        """By which budgets, knobs and draws name it."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +76,8 @@ class Camera:
         of the lens, as nested tuples; None where the camera is known exactly.
     edge_detector
         A sub-pixel edge detector, in place of quantization by ``edge_resolution_px``; None for the paper's.
+    further_errors
+        Errors of the image length beside these (:class:`~viewgauge.error_sources.LengthError`), of different names.
     """
 
     focal_length_mm: float
@@ -77,6 +91,7 @@ class Camera:
     lens: Lens | None = None
     intrinsics_covariance: tuple[tuple[float, ...], ...] | None = None
     edge_detector: EdgeDetector | None = None
+    further_errors: tuple[FurtherError, ...] = ()
 
     def __post_init__(self) -> None:
         _finite_positive("focal_length_mm", self.focal_length_mm)
@@ -123,12 +138,13 @@ class Camera:
     @property
     def is_plain(self) -> bool:
         """Whether it is the paper's camera: a pinhole that is known exactly, with quantization."""
-        return self.lens is None and self.intrinsics_covariance is None and self.edge_detector is None
+        exact = self.lens is None and self.intrinsics_covariance is None
+        return exact and self.edge_detector is None and not self.further_errors
 
     @property
     def without_errors(self) -> Camera:
         """The same camera, but that it finds points exactly and is known exactly."""
-        return replace(self, edge_resolution_px=0.0, intrinsics_covariance=None, edge_detector=None)
+        return replace(self, edge_resolution_px=0.0, intrinsics_covariance=None, edge_detector=None, further_errors=())
 
     @property
     def border_px(self) -> NDArray[np.float64]:

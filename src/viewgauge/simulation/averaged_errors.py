@@ -11,7 +11,7 @@ from ..exceptions import InputError
 from ..geometry import PoseError
 from ..geometry.pose_error import covariance_factor
 from ..sensors import Camera
-from .camera_draws import CameraDraws, end_deviation_px
+from .camera_draws import CameraDraws, drawn_view
 from .full_camera import (
     Estimate,
     camera_length_errors,
@@ -34,24 +34,24 @@ def simulate_mean_errors(
     rng: np.random.Generator,
     rim_axis: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """Error of the mean of k looks at one characteristic, ``(draws,)`` mm of the characteristic.
+    """Error of the mean of k acquisitions of one characteristic, ``(draws,)`` mm of the characteristic.
 
     Each draw takes one common displacement of the scene, and for each acquisition another one that comes after it (both
-    with true rotations, pose error frame), projects both ends, adds quantization errors and measures the length. A
-    look's result is the measurand's length times measured over nominal image length. NaN where an acquisition's end is
-    behind the camera.
+    with true rotations, pose error frame), projects both ends, adds quantization errors and measures the length.
+    The result of an acquisition is the measurand's length times measured over nominal image length. It is NaN where an
+    end is behind the camera.
 
     Parameters
     ----------
     points
         ``(k, 2, 3)`` mm: both ends of the measurand of each acquisition, in its camera frame.
     rim_axis
-        ``(k, 3)``, of each acquisition: as of :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
+        ``(k, 3)``, of each acquisition: as of :func:`~viewgauge.simulation.camera_draws.drawn_view`.
 
     Raises
     ------
     InputError
-        If the head's common part is not stated, or a measurand cannot be imaged.
+        If the common part of the pose error is not stated, or a measurand cannot be imaged.
     """
     acquisitions = _require_acquisitions(points)
     common, own = _factors(error)
@@ -67,9 +67,8 @@ def simulate_mean_errors(
             located = rng.random((draws, 2, 2)) - 0.5
             errors = displaced_length_errors(ends, camera, error, (both, moved), located[:, 1] - located[:, 0])
         else:
-            own_draws = CameraDraws.of(camera, rng.random((draws, width))).with_common(of_camera)
-            deviation = end_deviation_px(ends, camera, axis)
-            errors = camera_length_errors(ends, camera, error, (both, moved), own_draws, deviation)
+            own_draws = CameraDraws.of(camera, rng.random((draws, width))).with_common(of_camera, camera)
+            errors = camera_length_errors(drawn_view(ends, camera, axis), error, (both, moved), own_draws)
         total += errors * (np.linalg.norm(ends[1] - ends[0]) / nominal_length(ends, camera))
     return total / len(acquisitions)
 

@@ -1,4 +1,4 @@
-"""Poses of displaced acquisitions: where the head really stands when it is sent to a viewpoint."""
+"""Poses of displaced acquisitions: where the camera really stands when it is sent to a viewpoint."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ def displaced_poses(
 ) -> NDArray[np.float64]:
     """``(acquisitions, 4, 4)`` mm: the camera's pose in each acquisition that is meant to be at ``T_part_camera``.
 
-    The scene, seen from the head, is displaced (:func:`~viewgauge.simulation.full_camera.draw_pose_errors`); what is
-    common to acquisitions is drawn once for all of them where the error states it.
+    The scene, seen from the pose error frame, is displaced
+    (:func:`~viewgauge.simulation.full_camera.draw_pose_errors`); what is common to acquisitions is drawn once for all
+    of them where the error states it.
     """
     assert error.T_camera_frame is not None  # set by PoseError
     common = error.common_covariance

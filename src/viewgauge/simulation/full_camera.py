@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..error_sources import DrawnView
 from ..exceptions import InputError
 from ..geometry import PoseError, invert, transform
 from ..sensors import Camera
-from .camera_draws import CameraDraws, end_deviation_px, measured_images
+from .camera_draws import CameraDraws, drawn_view, measured_images
 
 __all__ = [
     "Estimate",
@@ -108,23 +109,22 @@ def displaced_length_errors(
 
 
 def camera_length_errors(
-    points: NDArray[np.float64],
-    camera: Camera,
+    view: DrawnView,
     error: PoseError,
     displacement: tuple[NDArray[np.float64], NDArray[np.float64]],
     draws: CameraDraws,
-    end_deviation_px: float,
 ) -> NDArray[np.float64]:
     """:func:`displaced_length_errors` of a camera with a lens, a calibration and an edge detector, whose errors are
     drawn.
 
     Parameters
     ----------
-    end_deviation_px
-        From :func:`~viewgauge.simulation.camera_draws.end_deviation_px`.
+    view
+        From :func:`~viewgauge.simulation.camera_draws.drawn_view`.
     """
+    points, camera = view.points, view.camera
     images = np.moveaxis(np.array(displaced_images(points, camera, error, displacement)), -1, 0)  # (n, 2, 2)
-    seen = measured_images(images, camera.project(points), camera, draws, end_deviation_px)
+    seen = measured_images(images, view, draws)
     return np.asarray(np.linalg.norm(seen[:, 1] - seen[:, 0], axis=-1) - nominal_length(points, camera))
 
 
@@ -188,8 +188,7 @@ def simulate_length_errors(
     twist = rng.standard_normal((draws, 6)) @ error.factor.T
     if not camera.is_plain:
         drawn = CameraDraws.of(camera, rng.random((draws, CameraDraws.width(camera))))
-        deviation = end_deviation_px(points, camera, None)
-        return camera_length_errors(points, camera, error, displacements(twist), drawn, deviation)
+        return camera_length_errors(drawn_view(points, camera), error, displacements(twist), drawn)
     located = rng.random((draws, 2, 2)) - 0.5
     return exact_length_errors(points, camera, error, twist, located[:, 1] - located[:, 0])
 

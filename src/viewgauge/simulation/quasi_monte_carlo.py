@@ -6,7 +6,7 @@ independent, tell how far they spread (Owen, *Ann. Statist.* 25 (1997) 1541; L'E
 are doubled until the interval is as narrow as asked.
 
 Ten numbers make one draw: six of the pose error and four of quantization. Only differences of the four enter, one
-along u and one along v, and the difference of two uniforms is one triangular number: eight characteristics are drawn,
+along u and one along v, and the difference of two uniforms is one triangular number: eight numbers are drawn,
 less those without variance. The normals are turned by an orthogonal matrix, which changes no law, so that the first of
 them is the direction in which the image length changes most: the success of a draw is then almost a function of the
 three best spread coordinates of the sequence.
@@ -24,7 +24,7 @@ from scipy.special import ndtri, stdtrit
 from ..exceptions import InputError
 from ..geometry import PoseError
 from ..sensors import Camera
-from .camera_draws import CameraDraws, end_deviation_px
+from .camera_draws import CameraDraws, drawn_view
 from .full_camera import (
     Estimate,
     camera_length_errors,
@@ -34,13 +34,48 @@ from .full_camera import (
     require_points,
 )
 
-__all__ = ["FullModelEstimates", "estimate_success_probabilities"]
+__all__ = ["FullModelEstimates", "Sampling", "estimate_success_probabilities"]
 
 SCRAMBLES = 16
 _FIRST_POINTS = 256  # of each scramble
 _POINTS_PER_BLOCK = 512  # of each scramble: blocks that stay in the processor's cache
 _SOBOL_BITS = 30
 _FEW = 50  # rarer outcomes than this over all scrambles: their spread is not to be trusted
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How many draws are made for a segment.
+
+    Parameters
+    ----------
+    precision
+        Largest half-width of the confidence intervals.
+    confidence
+        Of the intervals.
+    max_draws
+        Most draws for one segment; the interval tells what they attained.
+    seed
+        Of the scrambles.
+
+    Raises
+    ------
+    InputError
+        If one is out of its range.
+    """
+
+    precision: float = 1e-3
+    confidence: float = 0.99
+    max_draws: int = 2**22
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        require_precision(self.precision)
+        if not 0 < self.confidence < 1:
+            raise InputError("must lie between 0 and 1", key="confidence", got=self.confidence)
+        least = SCRAMBLES * _FIRST_POINTS
+        if self.max_draws < least:
+            raise InputError("too few", key="max_draws", got=self.max_draws, expected=f"at least {least}")
 
 
 @dataclass(frozen=True)
@@ -81,11 +116,7 @@ def estimate_success_probabilities(
     camera: Camera,
     error: PoseError,
     relative_tolerance: ArrayLike,
-    *,
-    precision: float = 1e-3,
-    confidence: float = 0.99,
-    max_draws: int = 2**22,
-    seed: int = 0,
+    sampling: Sampling | None = None,
     rim_axis: ArrayLike | None = None,
 ) -> FullModelEstimates:
     """Pr{|measured - nominal| <= T L} of n segments, each with as many draws as the precision needs.
@@ -98,10 +129,8 @@ def estimate_success_probabilities(
         ``(n, 3)`` mm, camera frame, in front of the camera.
     relative_tolerance
         T, one or ``(n,)``.
-    precision
-        Largest half-width of the confidence intervals.
-    max_draws
-        Most draws for one segment; the interval tells what they attained.
+    sampling
+        How many draws are made; by default :class:`Sampling` as it is.
     rim_axis
         ``(n, 3)``, camera frame: axes of whole rims of which segments are diameters; zeros for the others.
 
@@ -114,11 +143,7 @@ def estimate_success_probabilities(
     tolerance = np.broadcast_to(np.asarray(relative_tolerance, dtype=float), len(points))
     if not (np.isfinite(tolerance) & (tolerance >= 0)).all():
         raise InputError("must be finite and not negative", key="relative_tolerance", got=relative_tolerance)
-    require_precision(precision)
-    if not 0 < confidence < 1:
-        raise InputError("must lie between 0 and 1", key="confidence", got=confidence)
-    if max_draws < SCRAMBLES * _FIRST_POINTS:
-        raise InputError("too few", key="max_draws", got=max_draws, expected=f"at least {SCRAMBLES * _FIRST_POINTS}")
+    sampling = sampling or Sampling()
     axes = np.zeros((len(points), 3)) if rim_axis is None else np.broadcast_to(rim_axis, (len(points), 3))
     segments = [
         _Segment(ends, float(t), camera, error, axis) for ends, t, axis in zip(points, tolerance, axes, strict=True)
@@ -126,7 +151,7 @@ def estimate_success_probabilities(
     rank, width = twist_axes(error).shape[1], _camera_width(camera)
     if rank == 0 and width == 0:
         return _without_error(segments)
-    _refine(segments, rank, width, precision, confidence, max_draws // SCRAMBLES, seed)
+    _refine(segments, rank, width, sampling)
     return FullModelEstimates(
         np.array([s.probability for s in segments]),
         np.array([s.low for s in segments]),
@@ -136,24 +161,16 @@ def estimate_success_probabilities(
     )
 
 
-def _refine(
-    segments: list[_Segment],
-    rank: int,
-    width: int,
-    precision: float,
-    confidence: float,
-    limit: int,
-    seed: int,
-) -> None:
+def _refine(segments: list[_Segment], rank: int, width: int, sampling: Sampling) -> None:
     """Draw for each segment until its interval is as narrow as the precision, or the limit is reached."""
     active = segments
-    for points_each, normals, of_camera in _draws(rank, width, limit, seed):
+    for points_each, normals, of_camera in _draws(rank, width, sampling.max_draws // SCRAMBLES, sampling.seed):
         for segment in active:
             segment.add(normals, of_camera)
         if points_each & (points_each - 1) == 0:  # a full power of two: the sequences are balanced
             for segment in active:
-                segment.conclude(confidence)
-            active = [s for s in active if max(s.probability - s.low, s.high - s.probability) > precision]
+                segment.conclude(sampling.confidence)
+            active = [s for s in active if max(s.probability - s.low, s.high - s.probability) > sampling.precision]
         if not active:
             break
 
@@ -222,7 +239,7 @@ class _Segment:
         self.length_mm = nominal_length(points, camera)
         self.allowed_mm = tolerance * self.length_mm
         self.axes = _steepest_first(points, camera, error)
-        self.end_deviation_px = end_deviation_px(points, camera, rim_axis)
+        self.view = None if camera.is_plain else drawn_view(points, camera, rim_axis)
         self.right = np.zeros(SCRAMBLES)
         self.relative = 0.0
         self.draws = 0
@@ -237,13 +254,11 @@ class _Segment:
         self.draws += len(errors)
 
     def _errors(self, twist: NDArray[np.float64], of_camera: NDArray[np.float64]) -> NDArray[np.float64]:
-        if self.camera.is_plain:
+        if self.view is None:
             steps = _triangular(of_camera) if of_camera.size else np.zeros((len(twist), 2))
             return exact_length_errors(self.points, self.camera, self.error, twist, steps)
         draws = CameraDraws.of(self.camera, of_camera)
-        return camera_length_errors(
-            self.points, self.camera, self.error, displacements(twist), draws, self.end_deviation_px
-        )
+        return camera_length_errors(self.view, self.error, displacements(twist), draws)
 
     @property
     def expected_accuracy(self) -> float:

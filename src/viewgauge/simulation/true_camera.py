@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..error_sources.calibration import covariance_factor
 from ..geometry import Lens
 from ..sensors import Camera
-from .camera_draws import covariance_factor
 
 __all__ = ["true_camera"]
 

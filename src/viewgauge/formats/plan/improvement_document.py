@@ -10,7 +10,7 @@ from typing import Any
 from ...evaluation import Requirement
 from ...part import NotMeasurable
 from ...planning.improve.improvement import CameraChoice, Change, Improvement, Specification
-from ...planning.improve.knobs import KNOBS
+from ...planning.improve.knobs import knob_named
 
 __all__ = ["improvement_document", "specification_document"]
 
@@ -23,7 +23,7 @@ def improvement_document(
         **_pose_error(requirement, inputs),
         "viewpoints_tried": improvement.viewpoints,
         "knobs": {
-            name: {"today": today, "unit": KNOBS[name].unit, "what": KNOBS[name].what}
+            name: {"today": today, "unit": knob_named(name).unit, "what": knob_named(name).what}
             for name, today in improvement.today.items()
         },
         "characteristics": [

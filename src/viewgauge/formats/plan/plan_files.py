@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...evaluation import CapabilityFigures, Requirement
-from ...evaluation.error_budget import GROUPS, SOURCES, ErrorBudget
+from ...evaluation.error_budget import ErrorBudget
 from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
@@ -87,14 +87,14 @@ def _budget_document(budget: ErrorBudget) -> dict[str, Any]:
                 "correlation_share": float(budget.correlation_share[k]),
                 "probability_without": float(budget.probability_without[k]),
             }
-            for k, name in enumerate(SOURCES)
+            for k, name in enumerate(component.name for component in budget.components)
         },
         "groups": {
             name: {
                 "share": float(budget.group_share[name]),
                 "probability_without": float(budget.group_probability_without[name]),
             }
-            for name in GROUPS
+            for name in budget.groups
         },
     }
 

@@ -22,7 +22,7 @@ from ...formats.files.images import read_grey, write_overlay
 from ...formats.plan.plan_reader import PlannedMeasurement, read_plan
 from ...measurement.image.edges import EdgeFinder
 from ...measurement.image.expected_edges import ExpectedMeasurand
-from ...measurement.image.image_pose import Guide, find_guide
+from ...measurement.image.image_pose import ImagePose, find_image_pose
 from ...measurement.image.length_law import length_law
 from ...measurement.image.measurand_image import MeasurandImage, measurand_windows, measure_in_image, rehearsed
 from ...part import Characteristic, PointPair
@@ -242,10 +242,10 @@ def _seen(
         window for measurand in (*measurands, *known) for window in measurand_windows(measurand, T, camera, pose_error)
     ]
     finder = EdgeFinder(grey, windows=windows)
-    guide: Guide | None = find_guide(finder, known, T, camera, pose_error)
-    if guide is None:
+    image_pose: ImagePose | None = find_image_pose(finder, known, T, camera, pose_error)
+    if image_pose is None:
         return [None] * len(planned), "the part is not seen as planned: edges are missing or elsewhere"
-    return [measure_in_image(finder, grey, measurand, T, camera, guide) for measurand in measurands], ""
+    return [measure_in_image(finder, grey, measurand, T, camera, image_pose) for measurand in measurands], ""
 
 
 def _judged(

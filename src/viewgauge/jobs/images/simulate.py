@@ -1,4 +1,4 @@
-"""Images of the part as the camera sees it when the head is sent to viewpoints and does not quite get there."""
+"""Images of the part as a camera takes them that is sent to viewpoints and does not quite get there."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import csv
 import io
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob
@@ -21,13 +22,13 @@ from ...formats.files.images import write_png
 from ...geometry import quaternion_from_pose
 from ...measurement.image.measurand_image import measurand_windows
 from ...planning.inspection import ExplicitViewpoints, Inspection
-from ...sensors import Window
+from ...sensors import Camera, Window
 from ...simulation.displaced_poses import displaced_poses
 from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
 from ...simulation.true_camera import true_camera
-from ..evaluate import ViewpointsLike, viewpoints_of
+from ..given_viewpoints import ViewpointsLike, viewpoints_of
 from ..write import make_folder
 from .measure import seen_measurands
 
@@ -63,7 +64,7 @@ def simulate(
     viewpoints
         As of :func:`~viewgauge.evaluate`, such as a plan's ``viewpoints.csv``.
     repeats
-        Of each viewpoint; the head's errors are drawn anew for each.
+        Images of each viewpoint; the pose error is drawn anew for each.
     rays_per_pixel
         Of :data:`~viewgauge.simulation.renderer.FIBONACCI`.
     only
@@ -80,16 +81,16 @@ def simulate(
         If a number is out of range, or the folder holds another simulation.
     """
     if repeats < 1:
-        raise InputError("at least one acquisition", key="repeats", got=repeats)
+        raise InputError("must be at least 1", key="repeats", got=repeats)
     chosen, sensor, progress = viewpoints_of(inspection, viewpoints), sensor or ImageSensor(), progress or Silent()
     seed = inspection.seed if seed is None else seed
     if seed < 0:
         raise InputError("the seed must not be negative", key="seed", got=seed, expected="a whole number from 0 on")
     windows = _windows(inspection, chosen, only)
     camera = true_camera(inspection.camera, np.random.default_rng([seed, _CALIBRATION]))
-    mesh = inspection.part.mesh
+    place, mesh = make_folder(folder), inspection.part.mesh
     renderer = Renderer(mesh.vertices, mesh.triangles, rays_per_pixel=rays_per_pixel)
-    place = make_folder(folder)
+    simulation = _Simulation(renderer, sensor, camera, seed, place)
     about = {
         "inputs": dict(inspection.inputs),
         "viewpoints": {name: T.tolist() for name, T in zip(chosen.ids, chosen.T_part_camera, strict=True)},
@@ -98,11 +99,7 @@ def simulate(
         "rays_per_pixel": rays_per_pixel,
         "chord_error_mm": mesh.chord_error_mm,
         "only": list(only),
-        "true_camera": {
-            "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
-            "principal_point_px": list(camera.principal_point),
-            "distortion": None if camera.lens is None else list(camera.lens.coefficients),
-        },
+        "true_camera": _intrinsics(camera),
         "seed": seed,
     }
     _claim(place / "simulation.json", about)
@@ -110,26 +107,52 @@ def simulate(
     with progress.stage(f"Simulating {len(chosen) * repeats} images", len(chosen) * repeats) as advance:
         for number, (name, T) in enumerate(zip(chosen.ids, chosen.T_part_camera, strict=True)):
             poses = displaced_poses(T, inspection.pose_error, repeats, np.random.default_rng([seed, number]))
-            for acquisition, pose in enumerate(poses, start=1):
-                file = f"{name}_{acquisition:04d}.png"
-                rows.append(
-                    [file, name, acquisition, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))]
-                )
-                if not (place / file).exists():
-                    rng = np.random.default_rng([seed, number, acquisition])
-                    grey = partial_image(renderer, sensor, pose, camera, windows[number], rng)
-                    write_png(place / file, grey, sensor.bits)
+            for repeat, pose in enumerate(poses, start=1):
+                file = f"{name}_{repeat:04d}.png"
+                rows.append([file, name, repeat, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
+                simulation.write(file, pose, windows[number], (number, repeat))
                 advance(1)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["image", "viewpoint", "look", "x", "y", "z", "qw", "qx", "qy", "qz"])
-    writer.writerows(rows)
-    write_text_atomically(place / "acquisitions.csv", text.getvalue())
+    write_text_atomically(place / "acquisitions.csv", _true_poses(rows))
     return len(rows)
 
 
+@dataclass(frozen=True)
+class _Simulation:
+    """What all images of a simulation share."""
+
+    renderer: Renderer
+    sensor: ImageSensor
+    camera: Camera
+    seed: int
+    folder: Path
+
+    def write(self, file: str, pose: NDArray[np.float64], windows: Sequence[Window], number: tuple[int, int]) -> None:
+        """Write the image from a pose, unless it is there; its noise depends on its number alone."""
+        if not (self.folder / file).exists():
+            rng = np.random.default_rng([self.seed, *number])
+            grey = partial_image(self.renderer, self.sensor, pose, self.camera, windows, rng)
+            write_png(self.folder / file, grey, self.sensor.bits)
+
+
+def _intrinsics(camera: Camera) -> dict[str, Any]:
+    return {
+        "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
+        "principal_point_px": list(camera.principal_point),
+        "distortion": None if camera.lens is None else list(camera.lens.coefficients),
+    }
+
+
+def _true_poses(rows: Sequence[Sequence[object]]) -> str:
+    """The text of a CSV with where the camera stood in each image."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["image", "viewpoint", "repeat", "x", "y", "z", "qw", "qx", "qy", "qz"])
+    writer.writerows(rows)
+    return text.getvalue()
+
+
 def _windows(inspection: Inspection, viewpoints: ExplicitViewpoints, only: Sequence[str]) -> list[list[Window]]:
-    """Of each viewpoint what is rendered."""
+    """What is rendered of each viewpoint's image."""
     camera, pose_error = inspection.camera, inspection.pose_error
     if not only:
         return [[Window.whole(camera)]] * len(viewpoints)
@@ -149,7 +172,7 @@ def _windows(inspection: Inspection, viewpoints: ExplicitViewpoints, only: Seque
 
 
 def _claim(path: Path, about: dict[str, Any]) -> None:
-    """Note what is simulated, or see that it is the same as before."""
+    """Note what is simulated, or raise InputError if the folder holds something else."""
     text = json.dumps(about, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     if not path.exists():
         write_text_atomically(path, text)

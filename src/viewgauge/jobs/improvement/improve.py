@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...error_sources import scaled_pose_error
 from ...evaluation import Evaluator
 from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
@@ -15,7 +16,7 @@ from ...execution.progress import Progress, Silent
 from ...part.measurand_table import MeasurandTable
 from ...planning import Plan, default_distance_range, without_allowed_error
 from ...planning.improve.improvement import Change, CharacteristicChanges, Improvement, TradeOff
-from ...planning.improve.knobs import KNOBS, MOVING, SETTLED, Knob, Rig, scaled_pose_error
+from ...planning.improve.knobs import KNOBS, MOVING, Knob, Rig, settled_knobs
 from ...planning.improve.least_change import SHORT, largest_factor, meeting
 from ...planning.inspection import ExplicitViewpoints, Inspection
 from ..planning.plan import plan
@@ -57,7 +58,11 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
     possible = np.asarray(meeting(without, poses).any(axis=0))
     today = evaluator.probabilities(poses).max(axis=0)
     met = np.asarray(meeting(evaluator, poses).any(axis=0))
-    knobs = {k.name: k for k in (*SETTLED, *(() if inspection.viewpoints else MOVING)) if k.today(setup) > 0}
+    knobs = {
+        k.name: k
+        for k in (*settled_knobs(setup.camera), *(() if inspection.viewpoints else MOVING))
+        if k.today(setup) > 0
+    }
     of_each: list[dict[str, Change]] = [{} for _ in characteristics]
     part: dict[str, Change] = {}
     trade_off: tuple[TradeOff, ...] = ()
@@ -77,7 +82,7 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
                     change = _verified(change, _turned(evaluator.of(asked), setup, knob), poses)
                 part[knob.name] = change
     if asked and {"pixel", "pose_error"} <= knobs.keys():
-        with progress.stage("Trading pixels for the head", len(_PIXELS)) as advance:
+        with progress.stage("Trading pixels for the pose error", len(_PIXELS)) as advance:
             trade_off = tuple(_trades(evaluator.of(asked), poses, setup, advance))
     return Improvement(
         {name: knob.today(setup) for name, knob in knobs.items()},
@@ -118,7 +123,7 @@ def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | Non
     met = np.asarray(meeting(evaluator, poses).any(axis=0))
     of_each: list[dict[str, Change]] = [{} for _ in characteristics]
     part: dict[str, Change] = {}
-    knobs = {knob.name: knob for knob in SETTLED if knob.today(setup) > 0}
+    knobs = {knob.name: knob for knob in settled_knobs(setup.camera) if knob.today(setup) > 0}
     asked = np.flatnonzero(possible).tolist()
     for knob in knobs.values():
         for j, changes in enumerate(of_each):

@@ -1,4 +1,4 @@
-"""From a part and its requirement to a camera, a lens, and how good the head has to be."""
+"""From a part and its requirement to a camera, a lens, and how well its pose has to be known."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def specify(
     focal_lengths_mm: Sequence[float] = FOCAL_LENGTHS_MM,
     progress: Progress | None = None,
 ) -> Specification:
-    """For each sensor and lens the worst head, and the coarsest edge detector, with which every characteristic is met.
+    """For each sensor and lens the largest pose error, and the coarsest edge detector, with which all is met.
 
-    By the candidates' viewpoints.
+    A characteristic is met if one of the candidate viewpoints measures it as required.
 
-    The edge detector's step in pixels, the head's covariance up to a factor, and the requirement are the inspection's;
-    so is the range of distances if it is stated, else it suits each camera. Apertures are not looked at: everything
-    counts as in focus.
+    The edge detector's step in pixels, the covariance of the pose error up to a factor, and the requirement are the
+    inspection's; so is the range of distances if it is stated, else it suits each camera. Apertures are not looked at:
+    everything counts as in focus.
 
     Raises
     ------

@@ -1,25 +1,21 @@
-"""Straight and slightly bent edges in an image, looked for where they are expected."""
+"""The finder of straight and slightly bent edges in an image, which looks for them where they are expected."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from ...sensors import Window
+from .image_edge import BIAS_PX, ImageEdge
+from .profile_model import SHARPEST_PX, Refined, half_profile_px, profile_model, step_basis
 
-__all__ = ["BIAS_PX", "SPLINE_MARGIN_PX", "Edge", "EdgeFinder"]
+__all__ = ["SPLINE_MARGIN_PX", "EdgeFinder"]
 
 SPLINE_MARGIN_PX = 8
 """Splines of a part of an image are those of the whole, to 1e-4, so far inside it."""
-
-BIAS_PX = 0.02
-"""Standard uncertainty of where a clear edge is beside noise, px: pixels sample, and shading is not straight."""
 
 _STEP_PX, _FINE_STEP_PX = 0.25, 0.1  # along profiles
 _SMOOTHED_PX = 1.0  # of the derivative of a Gaussian, beside the image's own blur
@@ -28,164 +24,9 @@ _AS_STRONG = 0.6  # of the strongest edge on a profile: nearer ones are preferre
 _TURNED, _TURNED_BENT = 0.008, 0.06  # of the edge's direction against the expected one, rad
 _AGREE = 0.7  # share of profiles that have to agree with the fit
 _NEAR_PX = 1.0  # to the fit
-_PROFILE_STEP_PX, _HALF_PROFILE_PX = 0.5, (3.5, 6.0)  # of the fit of a profile
 _STRAIGHT, _STRAIGHT_PX = 1.7, 0.05  # of what a fit leaves: times the noise, and by sampling
 _BENDS = 3.5  # standard deviations of a curvature that is no chance
 _ROUNDS, _MOVED_PX = 4, 1.0
-_SHARPEST_PX = 0.29  # width of an edge without blur: the pixel's own, 1/sqrt(12)
-_LEFT, _LEFT_NOISE = 0.04, 3.0  # of a mean profile that is an edge's: share of the step, times the noise
-_RAMP, _RAMP_NOISE = 0.05, 3.0  # of the slope beside it, per px, likewise
-
-
-@dataclass(frozen=True)
-class Edge:
-    """A curve ``offset(t) = a + b t + c t²`` px across the expected direction, t px along it from the expected point.
-
-    Parameters
-    ----------
-    point, along
-        ``(2,)`` px: the expected point and direction.
-    coefficients
-        a, b, c.
-    covariance
-        ``(3, 3)`` of them, by the image's noise and :data:`BIAS_PX`.
-    width_px
-        Standard deviation of the blur, the pixel's own included; of wide blurs less.
-    contrast
-        Step of grey values across the edge, share of full scale.
-    """
-
-    point: NDArray[np.float64]
-    along: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    width_px: float
-    contrast: float
-
-    @property
-    def across(self) -> NDArray[np.float64]:
-        """``(2,)``: to the left of ``along`` by a right angle."""
-        return np.array([-self.along[1], self.along[0]])
-
-    def variance_at(self, place: NDArray[np.float64]) -> float:
-        """Of the edge across it, px², next to a place ``(2,)`` px."""
-        t = float((place - self.point) @ self.along)
-        powers = np.array([1.0, t, t * t])
-        return float(powers @ self.covariance @ powers)
-
-    def meets(self, point: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """Where a line through a point meets the edge, nearest to the expected point; None where it does not."""
-        a, b, c = self.coefficients
-        start = np.array([(point - self.point) @ self.along, (point - self.point) @ self.across])
-        run = np.array([direction @ self.along, direction @ self.across])
-        # across = a + b t + c t² with t = start0 + s run0
-        quadratic = c * run[0] ** 2
-        linear = b * run[0] + 2 * c * start[0] * run[0] - run[1]
-        constant = a + b * start[0] + c * start[0] ** 2 - start[1]
-        if abs(quadratic) < 1e-12:
-            roots = [] if abs(linear) < 1e-12 else [-constant / linear]
-        else:
-            inside = linear**2 - 4 * quadratic * constant
-            root = np.sqrt(inside) if inside >= 0 else np.nan
-            roots = [(-linear + sign * root) / (2 * quadratic) for sign in (1, -1)] if inside >= 0 else []
-        if not roots:
-            return None
-        places = [point + s * direction for s in roots]
-        return np.asarray(min(places, key=lambda p: float(np.linalg.norm(p - self.point))))
-
-
-@dataclass(frozen=True)
-class Refined:
-    """Edges of profiles.
-
-    Parameters
-    ----------
-    offset
-        ``(k,)`` px; NaN where the fit ran away.
-    contrast
-        ``(k,)``: step of grey values, with its sign.
-    ramps
-        ``(k, 2)``: slope of grey values on either side, per px.
-    left
-        ``(k, m)``: what the fit left of each profile.
-    noise
-        Of a pixel.
-    """
-
-    offset: NDArray[np.float64]
-    contrast: NDArray[np.float64]
-    ramps: NDArray[np.float64]
-    left: NDArray[np.float64]
-    noise: float
-
-    def crowded(self, kept: NDArray[np.bool_]) -> bool:
-        """Whether the mean profile is not that of one edge: another lies so near that it moves this one."""
-        sign = np.sign(self.contrast[kept])[:, None]
-        left, ramps = (self.left[kept] * sign).mean(axis=0), (self.ramps[kept] * sign).mean(axis=0)
-        step, chance = float(np.abs(self.contrast[kept]).mean()), self.noise / math.sqrt(kept.sum())
-        rms, steepest = float(np.sqrt((left**2).mean())), float(np.abs(ramps).max())
-        return rms > _LEFT * step + _LEFT_NOISE * chance or steepest > _RAMP * step + _RAMP_NOISE * chance
-
-
-@dataclass(frozen=True)
-class _Fitted:
-    shift: NDArray[np.float64]
-    contrast: NDArray[np.float64]
-    ramps: NDArray[np.float64]
-    left: NDArray[np.float64]
-
-
-def _half_profile_px(width_px: float) -> float:
-    return float(np.clip(4 * width_px, *_HALF_PROFILE_PX))
-
-
-def _step_basis(
-    s: NDArray[np.float64], width_px: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """``(n, 4)``: of c0, c1, A, c2 in ``c0 + c1 s + A Phi(s/w) + c2 (s Phi(s/w) + w phi(s/w))``, s px from the edge.
-
-    And Phi, and the density of the step, per px.
-    """
-    w = max(width_px, _SHARPEST_PX)
-    z = s / w
-    cdf, pdf = ndtr(z), np.exp(-(z**2) / 2) / (w * np.sqrt(2 * np.pi))
-    return np.stack([np.ones_like(s), s, cdf, s * cdf + w**2 * pdf], axis=1), cdf, pdf
-
-
-class _ProfileModel:
-    """A blurred step between two ramps, at places evenly spaced along a profile."""
-
-    def __init__(self, width_px: float) -> None:
-        half = _half_profile_px(width_px)
-        self.grid = np.arange(-half, half + 1e-9, _PROFILE_STEP_PX)
-        basis, self._cdf, self._pdf = _step_basis(self.grid, width_px)
-        self._solve = np.linalg.pinv(basis)
-        self._rest = np.eye(len(basis)) - basis @ self._solve
-
-    @property
-    def information(self) -> float:
-        """Of where the edge is, per px², for a step of 1 in noise of 1 a pixel."""
-        slope = self._rest @ self._pdf
-        return float(slope @ slope) * float(_PROFILE_STEP_PX)
-
-    def fitted(self, grey: NDArray[np.float64]) -> _Fitted:
-        """How far from the middle of profiles ``(k, m)`` their edges are, in one step of Gauss and Newton."""
-        c = grey @ self._solve.T
-        left = grey @ self._rest
-        moving = -(c[:, 1, None] + c[:, 2, None] * self._pdf + c[:, 3, None] * self._cdf) @ self._rest
-        size = (moving**2).sum(axis=1)
-        shift = np.divide((moving * left).sum(axis=1), size, out=np.zeros(len(c)), where=size > 0)
-        return _Fitted(shift, c[:, 2], np.stack([c[:, 1], c[:, 1] + c[:, 3]], axis=1), left)
-
-
-def _profile_model(width_px: float) -> _ProfileModel:
-    """The model of a width, to a hundredth of a pixel."""
-    return _rounded_model(round(100 * min(width_px, 10.0)))
-
-
-@lru_cache(maxsize=512)
-def _rounded_model(hundredths: int) -> _ProfileModel:
-    return _ProfileModel(hundredths / 100)
 
 
 def _agreeing(
@@ -259,7 +100,7 @@ class EdgeFinder:
         places_px: NDArray[np.float64],
         reach_px: float,
         bent: bool = False,
-    ) -> Edge | None:
+    ) -> ImageEdge | None:
         """The edge near a point; None where no clear one is found.
 
         Parameters
@@ -319,7 +160,7 @@ class EdgeFinder:
         covariance[0, 0] += BIAS_PX**2
         shape = np.zeros((3, 3))
         shape[: len(coefficients), : len(coefficients)] = covariance
-        return Edge(point, along, np.array([*coefficients, 0.0])[:3], shape, width, contrast)
+        return ImageEdge(point, along, np.array([*coefficients, 0.0])[:3], shape, width, contrast)
 
     def _on_pixels(
         self,
@@ -335,7 +176,7 @@ class EdgeFinder:
         interpolated: beside rows and columns profiles that are interpolated between pixels all err alike.
         """
         across = np.array([-along[1], along[0]])
-        half = _half_profile_px(width_px)
+        half = half_profile_px(width_px)
         ends = np.array([t.min() - 0.5, t.max() + 0.5])
         middle = point + ends[:, None] * along + (line[0] + line[1] * ends)[:, None] * across
         corners = np.concatenate([middle - half * across, middle + half * across])
@@ -357,8 +198,8 @@ class EdgeFinder:
             return None
         fitted = np.array([*line, width_px], dtype=float)
         for _ in range(_ROUNDS):
-            off, w = beside - fitted[0] - fitted[1] * place, max(fitted[2], _SHARPEST_PX)
-            basis, cdf, pdf = _step_basis(off, w)
+            off, w = beside - fitted[0] - fitted[1] * place, max(fitted[2], SHARPEST_PX)
+            basis, cdf, pdf = step_basis(off, w)
             Q, R = np.linalg.qr(basis)
             diagonal = np.abs(np.diagonal(R))
             if diagonal.min() < 1e-9 * diagonal.max():
@@ -374,7 +215,7 @@ class EdgeFinder:
         ran = np.abs(fitted[0] - line[0] + (fitted[1] - line[1]) * ends)
         if not (ran <= _MOVED_PX).all():
             return None
-        return fitted[:2], self.noise**2 * np.linalg.inv(normal)[:2, :2], float(max(fitted[2], _SHARPEST_PX))
+        return fitted[:2], self.noise**2 * np.linalg.inv(normal)[:2, :2], float(max(fitted[2], SHARPEST_PX))
 
     def offsets(
         self, places: NDArray[np.float64], across: NDArray[np.float64], reach_px: float
@@ -443,7 +284,7 @@ class EdgeFinder:
         width_px
             Standard deviation of the blur, the pixel's included.
         """
-        model = _profile_model(width_px)
+        model = profile_model(width_px)
         at = offset.copy()
         for _ in range(_ROUNDS):
             grey = self._at(places[:, None] + (at[:, None] + model.grid)[..., None] * across[:, None])
@@ -456,7 +297,7 @@ class EdgeFinder:
         """Standard deviation of one edge point (:meth:`refined`) by the image's noise, across the edge, px."""
         if self.noise <= 0 or contrast <= 0:
             return 0.0
-        return self.noise / contrast / math.sqrt(_profile_model(width_px).information)
+        return self.noise / contrast / math.sqrt(profile_model(width_px).information)
 
     def _at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Grey values at places ``(..., 2)`` px, by cubic splines."""

@@ -1,4 +1,4 @@
-"""From about where an image was taken, by the edges of all that is seen."""
+"""The pose from which an image was taken, by the edges of all measurands that are seen."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ...sensors import Camera
 from .edges import EdgeFinder
 from .expected_edges import ExpectedMeasurand, image_directions
 
-__all__ = ["AGREE_PX", "FURTHER_PX", "Guide", "find_guide", "reach_px"]
+__all__ = ["AGREE_PX", "FURTHER_PX", "ImagePose", "find_image_pose", "reach_px"]
 
 AGREE_PX, FURTHER_PX = 1.5, 2.0
-"""How far from where the guide has them edges may be that agree, and how much further they are looked for."""
+"""How far from where the image's pose has them edges may be that agree, and how much further they are looked for."""
 
 _FEWEST_EDGES, _FEWEST_AGREE = 6, 0.4
 _SCALES = (80.0, 40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0, 3.0, 3.0)
@@ -25,8 +25,8 @@ _SIGMAS = 4.0  # of the displacement of an end that an edge is looked for within
 
 
 @dataclass(frozen=True)
-class Guide:
-    """From about where an image was taken.
+class ImagePose:
+    """The pose from which an image was taken, about as well as its edges tell.
 
     Parameters
     ----------
@@ -41,18 +41,18 @@ class Guide:
     covariance: NDArray[np.float64]
 
 
-def find_guide(
+def find_image_pose(
     finder: EdgeFinder,
     measurands: Sequence[ExpectedMeasurand],
     T_part_camera: NDArray[np.float64],
     camera: Camera,
     error: PoseError,
-) -> Guide | None:
-    """From about where an image was taken, by all edges at the ends of measurands; None where they do not agree.
+) -> ImagePose | None:
+    """The pose from which an image was taken, by all edges at the ends of measurands; None where they do not agree.
 
-    The pose error of the greatest posterior density for the head's normal law and edges that are off by their noise or
-    are others altogether (Cauchy). Of a part that shows too few edges to tell whether they agree, the pose by those
-    that are found, looked for once more from there.
+    It is the pose error of the greatest posterior density for the normal law of the pose error and edges that are off
+    by their noise or are others altogether (Cauchy). Of a part that shows too few edges to tell whether they agree, it
+    is the pose by those that are found, looked for once more from there.
     """
     if not measurands:
         return None
@@ -81,12 +81,12 @@ def find_guide(
         twist, posterior = _pose_of(replace(again, offset=again.offset + again.rows @ twist), error)
         spread = to_camera @ posterior @ to_camera.T
         reach = max(reach_px(point, camera, spread) for point in points)
-    return Guide(_moved(T_part_camera, twist, error), reach, to_camera @ posterior @ to_camera.T)
+    return ImagePose(_moved(T_part_camera, twist, error), reach, to_camera @ posterior @ to_camera.T)
 
 
 @dataclass(frozen=True)
 class _Found:
-    """Of n edges how far off they are, px ``(n,)``, with variance, and by how much for each unit of pose ``(n, 6)``."""
+    """n edges: how far off they are, px ``(n,)``, with variance, and by how much for each unit of pose ``(n, 6)``."""
 
     offset: NDArray[np.float64]
     variance: NDArray[np.float64]
@@ -124,7 +124,7 @@ def _edges_near(
 
 
 def _pose_of(found: _Found, error: PoseError) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The pose error ``(6,)``, pose error frame, and its covariance ``(6, 6)`` in units of the head's factor."""
+    """The pose error ``(6,)``, pose error frame, and its covariance ``(6, 6)`` in units of the pose error's factor."""
     A, y, variance, factor = found.rows, found.offset, found.variance, error.factor
     scaled, twist = A @ factor, np.zeros(6)
     posterior: NDArray[np.float64] = np.eye(6, dtype=np.float64)
@@ -136,7 +136,7 @@ def _pose_of(found: _Found, error: PoseError) -> tuple[NDArray[np.float64], NDAr
 
 
 def _moved(T_part_camera: NDArray[np.float64], twist: NDArray[np.float64], error: PoseError) -> NDArray[np.float64]:
-    """``T_part_camera`` of a camera whose head has a pose error."""
+    """``T_part_camera`` of a camera that stands off by a pose error."""
     displacement = np.eye(4)
     displacement[:3, :3], displacement[:3, 3] = Rotation.from_rotvec(twist[3:]).as_matrix(), twist[:3]
     assert error.T_camera_frame is not None  # set by PoseError

@@ -1,4 +1,4 @@
-"""The law of the error of a length that is measured in an image, known the image's noise."""
+"""The law of the error of a length that is measured in an image of known noise."""
 
 from __future__ import annotations
 
@@ -24,19 +24,21 @@ def length_law(
     *,
     whole_pixels: bool,
 ) -> TotalError:
-    """Of the measured less the nominal image length, mm on the ideal image, at first order.
+    """The law of measured less nominal image length, mm on the ideal image, at first order.
 
-    The head's error, the camera's calibration and offset as the inspection states them, and the location of the ends
-    as the image itself tells it, in place of what an edge detector or quantization step of the inspection says.
+    The pose error, the camera's calibration and its edges' offset are as the inspection states them; the location of
+    the ends is as the image itself tells it, in place of what an edge detector or quantization step of the inspection
+    says.
 
     Parameters
     ----------
     points
-        ``(2, 3)`` mm, part frame: of the measurand.
+        ``(2, 3)`` mm, part frame: both ends of the measurand.
     T_part_camera
-        ``(4, 4)`` mm: of the planned viewpoint.
+        ``(4, 4)`` mm: the planned viewpoint.
     deviation_mm
-        Standard deviation of the length by the image's noise (:class:`~viewgauge.measurement.MeasurandImage`).
+        Standard deviation of the length by the image's noise
+        (:class:`~viewgauge.measurement.image.measurand_image.MeasurandImage`).
     whole_pixels
         The ends were put to the corners of pixels.
     """

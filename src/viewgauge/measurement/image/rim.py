@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...sensors import Camera
-from .edges import BIAS_PX, EdgeFinder
+from .edges import EdgeFinder
+from .image_edge import BIAS_PX
 
 __all__ = ["Rim", "find_rim", "rim_points"]
 
@@ -21,16 +22,16 @@ _SCALES = (60.0, 30.0, 15.0, 8.0, 4.0, 3.0, 3.0, 3.0)  # deviations from which o
 
 @dataclass(frozen=True)
 class Rim:
-    """Of an ellipse, in mm on the ideal image.
+    """An ellipse that was fitted, in mm on the ideal image.
 
     Parameters
     ----------
     ends
         ``(2, 2)`` mm: of its chord through its centre in the measurand's direction.
     variance_mm2
-        Of the chord's length, by the image's noise and :data:`~viewgauge.measurement.image.edges.BIAS_PX`.
+        Of the chord's length, by the image's noise and :data:`~viewgauge.measurement.image.image_edge.BIAS_PX`.
     width_px
-        Of the edge, where it is clear (:class:`~viewgauge.measurement.image.edges.Edge`).
+        Of the edge, where it is clear (:class:`~viewgauge.measurement.image.image_edge.ImageEdge`).
     """
 
     ends: NDArray[np.float64]

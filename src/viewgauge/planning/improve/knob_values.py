@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...error_sources import scaled_pose_error
 from ...evaluation import Requirement, Setup
 from ...exceptions import InputError
 from ...sensors import Camera
-from .knobs import KNOBS, Rig, scaled_pose_error
+from .knobs import KNOBS, Rig
 
 __all__ = ["KnobValues", "moved_along_axis", "with_pixel_pitch"]
 
@@ -31,7 +32,7 @@ class KnobValues:
     distance
         Of the viewpoints from what they look at, as a multiple of the planned one.
     translation_mm, rotation_rad
-        Largest of the three standard deviations of the head; the whole covariance goes with it.
+        Largest of the three standard deviations of the pose error; the whole covariance goes with it.
     required
         Value of the requirement: accuracy, error in mm, or share of the tolerance; None where it is stated by other
         figures, which stay as they are.
@@ -41,7 +42,7 @@ class KnobValues:
     Raises
     ------
     InputError
-        If a value is not finite, or negative, or nought where it cannot be.
+        If a value is not finite, or negative, or 0 where it must be positive.
     """
 
     pixel_pitch_mm: float
@@ -65,7 +66,7 @@ class KnobValues:
 
     @classmethod
     def of(cls, setup: Setup) -> KnobValues:
-        """Of a set-up as it is."""
+        """Where the knobs of a set-up stand."""
         camera, requirement = setup.camera, setup.requirement
         rig = Rig(camera, setup.pose_error, (0.0, 0.0))
         return cls(
@@ -80,7 +81,7 @@ class KnobValues:
         )
 
     def applied(self, setup: Setup) -> Setup:
-        """The set-up with these values; what is nought today stays nought.
+        """The set-up with these values; what is 0 today stays 0.
 
         Raises
         ------

@@ -1,21 +1,26 @@
-"""What of a set-up can be changed, each by one factor: pixels, head, lens, distance."""
+"""What of a set-up can be changed, each by one factor: errors, lens, distance.
+
+Which errors a knob turns, and how, the sources of error say themselves (:mod:`viewgauge.error_sources`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from ...error_sources import ERROR_SOURCES, LengthError, sources_of
 from ...geometry import PoseError
 from ...sensors import Camera
 
-__all__ = ["KNOBS", "MOVING", "SETTLED", "Knob", "Rig", "scaled_pose_error"]
+__all__ = ["KNOBS", "MOVING", "OF_TODAY", "SETTLED", "Knob", "Rig", "knob_named", "settled_knobs"]
+
+OF_TODAY = "of today"
+"""Unit of a knob that shows a factor."""
 
 
 @dataclass(frozen=True)
 class Rig:
-    """A camera on a head, and the range of distances, mm, from which it looks at the part."""
+    """A camera, the uncertainty of its pose, and the range of distances, mm, from which it looks at the part."""
 
     camera: Camera
     pose_error: PoseError
@@ -43,40 +48,6 @@ class Knob:
     turned: Callable[[Rig, float], Rig]
 
 
-def scaled_pose_error(pose_error: PoseError, translation: float, rotation: float) -> PoseError:
-    """The head with the standard deviations of its translation and of its rotation multiplied, common parts alike."""
-    scale = np.diag([translation] * 3 + [rotation] * 3)
-    common = pose_error.common_covariance
-    return replace(
-        pose_error,
-        covariance=scale @ pose_error.covariance @ scale,
-        pivot_mm=(0.0, 0.0, 0.0),  # T_camera_frame holds it
-        common_covariance=None if common is None else scale @ common @ scale,
-    )
-
-
-def _deviation(pose_error: PoseError, first: int) -> float:
-    """The largest standard deviation of three."""
-    return float(np.sqrt(pose_error.covariance.diagonal()[first : first + 3].max()))
-
-
-def _pixel(setup: Rig, factor: float) -> Rig:
-    camera, edge_detector = setup.camera, setup.camera.edge_detector
-    if edge_detector is None:
-        return replace(setup, camera=replace(camera, edge_resolution_px=camera.edge_resolution_px * factor))
-    edge_detector = replace(
-        edge_detector, noise_px=edge_detector.noise_px * factor, bias_px=edge_detector.bias_px * factor
-    )
-    return replace(setup, camera=replace(camera, edge_detector=edge_detector))
-
-
-def _edge_location(setup: Rig) -> float:
-    edge_detector = setup.camera.edge_detector
-    return (
-        setup.camera.edge_resolution_px if edge_detector is None else max(edge_detector.noise_px, edge_detector.bias_px)
-    )
-
-
 def _focal_length(setup: Rig, factor: float) -> Rig:
     """Distances go with it: the part stays as large in the image; so does the distance in focus."""
     camera, (near, far) = setup.camera, setup.distance_mm
@@ -95,38 +66,54 @@ def _distance(setup: Rig, factor: float) -> Rig:
     return replace(setup, distance_mm=(distance, distance))
 
 
+def _of_sources(name: str, unit: str, what: str) -> Knob:
+    """A knob that multiplies every source of error which names it; it shows the largest of them."""
+    turning = [source for source in ERROR_SOURCES if name in source.knobs]
+
+    def today(rig: Rig) -> float:
+        largest = max(source.size(rig.camera, rig.pose_error) for source in turning)
+        return float(largest > 0) if unit == OF_TODAY else largest
+
+    def turned(rig: Rig, factor: float) -> Rig:
+        camera, pose_error = rig.camera, rig.pose_error
+        for source in turning:
+            camera, pose_error = source.scaled(camera, pose_error, factor)
+        return replace(rig, camera=camera, pose_error=pose_error)
+
+    return Knob(name, unit, what, today, turned)
+
+
+def _of_further_error(name: str) -> Knob:
+    """The knob of a further error of the camera, which it multiplies."""
+
+    def named(rig: Rig) -> LengthError | None:
+        return next((e for e in sources_of(rig.camera) if isinstance(e, LengthError) and e.name == name), None)
+
+    def today(rig: Rig) -> float:
+        return float(named(rig) is not None)
+
+    def turned(rig: Rig, factor: float) -> Rig:
+        error = named(rig)
+        if error is None:
+            return rig
+        camera, pose_error = error.scaled(rig.camera, rig.pose_error, factor)
+        return replace(rig, camera=camera, pose_error=pose_error)
+
+    return Knob(name, OF_TODAY, name.replace("_", " "), today, turned)
+
+
 SETTLED = (
-    Knob(
+    _of_sources(
         "pixel",
         "px",
         "quantization step of the edge detector, or its noise and offset (as well a pixel smaller by the factor on a "
         "sensor of the same size)",
-        _edge_location,
-        _pixel,
     ),
-    Knob(
-        "translation",
-        "mm",
-        "standard deviation of the head's translation (the largest of the three)",
-        lambda setup: _deviation(setup.pose_error, 0),
-        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, factor, 1.0)),
-    ),
-    Knob(
-        "rotation",
-        "deg",
-        "standard deviation of the head's rotation (the largest of the three)",
-        lambda setup: float(np.degrees(_deviation(setup.pose_error, 3))),
-        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, 1.0, factor)),
-    ),
-    Knob(
-        "pose_error",
-        "of today",
-        "translation and rotation of the head together",
-        lambda setup: 1.0 if setup.pose_error.covariance.any() else 0.0,
-        lambda setup, factor: replace(setup, pose_error=scaled_pose_error(setup.pose_error, factor, factor)),
-    ),
+    _of_sources("translation", "mm", "standard deviation of the camera's position (the largest of the three)"),
+    _of_sources("rotation", "deg", "standard deviation of the camera's orientation (the largest of the three)"),
+    _of_sources("pose_error", OF_TODAY, "translation and rotation of the camera's pose together"),
 )
-"""Errors: viewpoints stay where they are, and less is always better."""
+"""Errors that every camera can have: viewpoints stay where they are, and less is always better."""
 
 MOVING = (
     Knob(
@@ -147,3 +134,14 @@ MOVING = (
 """Viewpoints move, and more or less may be better."""
 
 KNOBS = {knob.name: knob for knob in (*SETTLED, *MOVING)}
+"""By name, without those of a camera's further errors (:func:`knob_named`)."""
+
+
+def settled_knobs(camera: Camera) -> tuple[Knob, ...]:
+    """The knobs of a camera's errors: :data:`SETTLED`, and one for each of its further errors."""
+    return (*SETTLED, *(_of_further_error(error.name) for error in camera.further_errors))
+
+
+def knob_named(name: str) -> Knob:
+    """The knob of a name; that of a further error of the camera, where it is none of :data:`KNOBS`."""
+    return KNOBS.get(name) or _of_further_error(name)

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...evaluation.error_budget import ErrorBudget
-from ..budget_parts import WORDS, shares_of, shown_parts
-from ..palette import SOURCE_COLOURS
+from ..budget_parts import shares_of, shown_parts
+from ..palette import OTHER_SOURCE_COLOUR, SOURCE_COLOURS
 from .style import Figure, axis, figure, plain, theme_of
 
 __all__ = ["budget_chart"]
@@ -28,13 +28,16 @@ def budget_chart(budgets: Mapping[str, ErrorBudget], order: Sequence[str] = (), 
         {
             "type": "bar",
             "orientation": "h",
-            "name": WORDS[part],
+            "name": words,
             "y": [plain(name) for name in names],
-            "x": [round(100 * shares[name][part], 4) for name in names],
-            "marker": {"color": SOURCE_COLOURS[part], "line": {"color": theme.paper, "width": 1}},
-            "hovertemplate": "%{x:.1f} %<extra>" + WORDS[part] + "</extra>",
+            "x": [round(100 * shares[name].get(part, 0.0), 4) for name in names],
+            "marker": {
+                "color": SOURCE_COLOURS.get(part, OTHER_SOURCE_COLOUR),
+                "line": {"color": theme.paper, "width": 1},
+            },
+            "hovertemplate": "%{x:.1f} %<extra>" + words + "</extra>",
         }
-        for part in shown_parts(budgets.values())
+        for part, words in shown_parts(budgets.values()).items()
     ]
     title = f"What the uncertainty of {plain(names[0])} comes from" if len(names) == 1 else "Error budget"
     return figure(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 from ...evaluation.capability_figures import CapabilityFigures
-from ...evaluation.error_budget import SOURCES, ErrorBudget
+from ...evaluation.error_budget import ErrorBudget
 from ...planning.plan import Plan, PlannedCharacteristic
-from ..budget_parts import WORDS, shares_of, shown_parts
+from ..budget_parts import shares_of, shown_parts
 from ..wording import DASH, element, length, probability
 from .tables import STATUS_WORDS, markup_table
 
@@ -47,7 +47,7 @@ def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
         ("Characteristic", ""),
         ("u / mm", "num"),
         ("Shares of the variance", "share"),
-        *((WORDS[name].capitalize(), "num") for name in names),
+        *((words.capitalize(), "num") for words in names.values()),
         ("Probability", "num"),
         ("without pixels" if pixels_alone else "without camera errors", "num"),
         ("without translation", "num"),
@@ -61,15 +61,15 @@ def budget_section(plan: Plan, budgets: Mapping[str, ErrorBudget]) -> str:
     return _section("budget", "Error budget", hint, _legend(names) + markup_table(pose_error, rows))
 
 
-def _legend(names: Sequence[str]) -> str:
-    entries = (element("span", class_=f"swatch part-{name}") + element("span", WORDS[name]) for name in names)
+def _legend(names: Mapping[str, str]) -> str:
+    entries = (element("span", class_=f"swatch part-{name}") + element("span", words) for name, words in names.items())
     return element("p", markup=" &ensp; ".join(entries), class_="hint")
 
 
-def _budget_row(characteristic: PlannedCharacteristic, budget: ErrorBudget, names: Sequence[str]) -> str:
+def _budget_row(characteristic: PlannedCharacteristic, budget: ErrorBudget, names: Iterable[str]) -> str:
     of_all = shares_of(budget)
-    shares = {name: of_all[name] for name in names}
-    single = ", ".join(f"{name} {budget.share[k]:.1%}" for k, name in enumerate(SOURCES))
+    shares = {name: of_all.get(name, 0.0) for name in names}
+    single = ", ".join(f"{name} {budget.share[k]:.1%}" for k, name in enumerate(c.name for c in budget.components))
     without = budget.group_probability_without
     cells = [
         element("th", characteristic.id, scope="row"),

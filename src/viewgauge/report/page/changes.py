@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...planning.improve.improvement import Change, Improvement
-from ...planning.improve.knobs import KNOBS
+from ...planning.improve.knobs import knob_named
 from ..wording import DASH, element, probability, rounded
 from .tables import markup_table
 
@@ -14,7 +14,7 @@ def changes_table(improvement: Improvement) -> str:
     """A row for today, for each characteristic, and for the part; a column for each thing that can be changed."""
     knobs = list(improvement.today)
     pose_error = [("Characteristic", ""), ("Today", "num")]
-    pose_error += [(f"{name.replace('_', ' ').capitalize()} / {KNOBS[name].unit}", "num") for name in knobs]
+    pose_error += [(f"{name.replace('_', ' ').capitalize()} / {knob_named(name).unit}", "num") for name in knobs]
     today = [element("th", "Today", scope="row"), element("td")]
     today += [element("td", rounded(improvement.today[name]), class_="num") for name in knobs]
     rows = [element("tr", markup="".join(today))]
