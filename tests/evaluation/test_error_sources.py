@@ -12,7 +12,7 @@ from viewgauge.evaluation import Evaluator, Requirement, Setup, image_segment, s
 from viewgauge.evaluation.averaging import averaged_success_probability
 from viewgauge.evaluation.error_budget import SOURCES, averaged_error_budget, error_budget
 from viewgauge.geometry import Lens, PoseError, invert, look_at, transform
-from viewgauge.part import Characteristic, Measurand, Mesh
+from viewgauge.part import Characteristic, LengthBetweenPoints, Mesh
 from viewgauge.planning.improve.knobs import Rig, knob_named, settled_knobs
 from viewgauge.planning.improve.least_change import SHORT, largest_factor
 from viewgauge.sensors import Camera, EdgeDetector
@@ -197,7 +197,7 @@ PLATE = Mesh(
 UP = np.array([[0.0, 0.0, 1.0]])
 ENDS = np.array([[-20.0, -3, 0], [20.0, 3, 0]])
 LENGTH = float(np.linalg.norm(ENDS[1] - ENDS[0]))
-BAR = Characteristic("bar", "measurand", LENGTH, (-0.2, 0.2), (Measurand(ENDS[0], ENDS[1], UP, UP),))
+BAR = Characteristic("bar", "measurand", LENGTH, (-0.2, 0.2), (LengthBetweenPoints(ENDS[0], ENDS[1], UP, UP),))
 VIEWS = look_at(np.array([[0.0, 0.0, 250.0], [80.0, 30.0, 240.0]]), np.zeros((2, 3)), np.array([0.2, 0.9]))
 
 
