@@ -138,8 +138,8 @@ def weakest(plan: vg.Plan) -> float:
     return min(d.probability for d in plan.characteristics if d.status == "met")
 
 
-POSE_ERROR = (
-    *("part", "characteristics met", "greedy", "weakest", "best of the candidates", "weakest", "surer, as many"),
+COLUMNS = (
+    *("part", "characteristics met", "greedy", "weakest", "best of the candidates", "weakest", "as many, refined"),
     *("refined", "bound", "anywhere", "gap", "weakest", "full camera model", "seconds"),
 )
 
@@ -163,8 +163,8 @@ def main() -> int:
     parser.add_argument("--directions", type=int, help="of the candidates, in place of the files'")
     given = parser.parse_args()
     rows = []
-    print("| " + " | ".join(POSE_ERROR) + " |")
-    print("|" + " --- |" * len(POSE_ERROR))
+    print("| " + " | ".join(COLUMNS) + " |")
+    print("|" + " --- |" * len(COLUMNS))
     for name, inspection in parts(given.folder):
         if given.directions:
             inspection = replace(inspection, candidates=replace(inspection.candidates, directions=given.directions))
@@ -178,11 +178,11 @@ def main() -> int:
     worse = sum(of.worse for of in rows)
     contradicted = sum(of.contradicted for of in rows)
     print(
-        f"\nWeakest characteristic strictly surer: with as many viewpoints {surer} of {len(rows)}, in the "
-        "refined plan, which"
+        f"\nParts whose lowest probability rises: {surer} of {len(rows)} with the same number of viewpoints, "
+        f"{at_last} in the refined plan,"
     )
-    print(f"may have fewer, {at_last}; worse in number or, with as many, in sureness: {worse}.")
-    print(f"Probabilities of characteristics met that the full camera model contradicts: {contradicted}.")
+    print("which may have fewer viewpoints. Parts with more viewpoints, or with as many and a lower probability:")
+    print(f"{worse}. Probabilities of met characteristics that the full camera model contradicts: {contradicted}.")
     return 1 if worse or contradicted else 0
 
 

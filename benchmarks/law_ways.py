@@ -127,7 +127,7 @@ def _quantization_density(e: Array, a: Array, b: Array) -> Array:
 
 
 def scipy_quad(pairs: Pairs) -> Array:
-    """SciPy's adaptive quadrature of eq. 19-20: the normal law times the quantization density, its kinks told."""
+    """SciPy's adaptive quadrature of eq. 19-20: the normal law times the quantization density, its kinks given."""
 
     def one(x: float, sigma: float, a: float, b: float) -> float:
         steps = [(i * a + j * b, wi * wj) for i, wi in _SECOND for j, wj in _SECOND]
@@ -143,7 +143,7 @@ def scipy_quad(pairs: Pairs) -> Array:
 
 
 def scipy_tplquad(pairs: Pairs) -> Array:
-    """SciPy's triple quadrature of the plain convolutions, eq. 18-20: density of each part, nothing told."""
+    """SciPy's triple quadrature of the plain convolutions, eq. 18-20: density of each part, nothing else given."""
 
     def one(x: float, sigma: float, a: float, b: float) -> float:
         def integrand(v: float, u: float, e: float) -> float:
@@ -210,7 +210,7 @@ WAYS = {
     "legendre": Way("NumPy, Gauss-Legendre between the kinks, all pairs at once", gauss_legendre, 1e-3, 2_000, 7),
     "openturns": Way("OpenTURNS, computeProbability", openturns_probability, 1e-9, 300, 7),
     "openturns_cdf": Way("OpenTURNS, 2 computeCDF - 1", openturns_cdf, 1e-9, 300, 7),
-    "quad": Way("SciPy quad, one integral, kinks told", scipy_quad, 1e-9, 40, 5),
+    "quad": Way("SciPy quad, one integral, kinks given", scipy_quad, 1e-9, 40, 5),
     "tplquad": Way("SciPy tplquad, the plain convolutions, tolerance 1e-4", scipy_tplquad, 1e-3, 2, 3),
     "draws3": Way("NumPy Monte Carlo, standard error 1e-3", monte_carlo(250_000), 4e-3, 40, 7),
     "draws4": Way("NumPy Monte Carlo, standard error 1e-4", monte_carlo(25_000_000), 4e-4, 20, 3, 1e-9, True),

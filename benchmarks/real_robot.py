@@ -5,7 +5,7 @@ Usage: python benchmarks/real_robot.py FOLDER [--folds N] [--seed N]
 FOLDER has ``cal_data.yaml``, images of a ChArUco board and robot poses (ROS-Industrial's abb example). For each fold of
 the views camera, hand-eye, pose covariance and corner noise are found from the others alone, the covariance by leaving
 each of those out in turn, as ``viewgauge characterize`` does. Then, in each view of the fold, every pair of corners is
-a length: its image at the pose that the robot was told, with its predicted standard deviation, against the image that
+a length: its image at the pose that the robot was commanded to, with its predicted standard deviation, against the image that
 OpenCV's detector measures. Prints Markdown.
 """
 
@@ -111,7 +111,7 @@ def row(name: str, of: Lengths, factor: float) -> str:
 def report(folder: Path, folds: int, seed: int) -> list[str]:
     """Markdown of the study."""
     lengths, factor, views = study(folder, folds, seed)
-    pose_error = (
+    columns = (
         "length / mm",
         "lengths",
         "predicted rms / mm",
@@ -124,8 +124,8 @@ def report(folder: Path, folds: int, seed: int) -> list[str]:
     lines = [
         f"{views} views, {folds} folds, {len(lengths.length)} lengths",
         "",
-        "| " + " | ".join(pose_error) + " |",
-        "|" + " --- |" * len(pose_error),
+        "| " + " | ".join(columns) + " |",
+        "|" + " --- |" * len(columns),
         "| of a normal law | | | | | 68.3% | 95.4% | 99.7% |",
     ]
     for low, high in itertools.pairwise(BINS):

@@ -27,7 +27,7 @@ from scipy.integrate import IntegrationWarning
 
 HERE = Path(__file__).resolve().parent
 Row = dict[str, Any]
-"""One benchmark: what it told of itself, and ``seconds``, the median of one call."""
+"""One benchmark: the figures that it stated, and ``seconds``, the median of one call."""
 
 
 def measure(groups: list[str], results: Path) -> None:
@@ -59,9 +59,9 @@ def machine() -> str:
     )
 
 
-def table(pose_error: list[str], rows: list[list[str]]) -> str:
+def table(columns: list[str], rows: list[list[str]]) -> str:
     """A Markdown table, all columns but the first to the right."""
-    lines = ["| " + " | ".join(pose_error) + " |", "|---|" + "---:|" * (len(pose_error) - 1)]
+    lines = ["| " + " | ".join(columns) + " |", "|---|" + "---:|" * (len(columns) - 1)]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
@@ -86,8 +86,8 @@ def law(rows: list[Row]) -> str:
             more = (1e-4 / aim) ** 2
             name = f"… extrapolated to {aim:.0e}, as 1 / accuracy²"
             lines.append([name, rounded(1 / each / more), "-", "-", rounded(each * more / ours)])
-    pose_error = ["P(\\|error\\| <= x)", "pairs a second", "largest error", "median error", "times as long"]
-    return "\n\n".join([table(pose_error, lines), "### At hard angles", hard_angles()])
+    columns = ["P(\\|error\\| <= x)", "pairs a second", "largest error", "median error", "times as long"]
+    return "\n\n".join([table(columns, lines), "### At hard angles", hard_angles()])
 
 
 def hard_angles() -> str:
@@ -138,7 +138,7 @@ SECTIONS: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
 
 
 def main() -> None:
-    """Measure, unless told where figures are, and print."""
+    """Measure, unless a file with figures is given, and print."""
     parser = argparse.ArgumentParser(description="The figures of docs/performance.md")
     parser.add_argument("groups", nargs="*", metavar="GROUP", help="groups to run; default: all")
     parser.add_argument("--from", dest="source", type=Path, help="figures of an earlier run, on this machine")

@@ -109,7 +109,7 @@ def _by_characteristic(documents: dict[str, list[dict[str, Any]]]) -> list[str]:
         for found in documents.values():
             row = next((d for d in found[0]["characteristics"] if d["id"] == name), None)
             if row is None or row["rms_ratio"] is None:
-                cells.append("not seen")
+                cells.append("not visible")
                 continue
             shares = (100 * c["inside"] / max(c["acquisitions"], 1) for c in row["coverage"])
             reported = " / ".join(
@@ -156,9 +156,9 @@ def quantization(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:
 
 
 def spread_of_rounding(fraction: float, sigma: float, draws: int = 200_000) -> float:
-    """Standard deviation, px, of a length along the rows, 120 px and a fraction, whose ends are put to the grid.
+    """Standard deviation, px, of a length along the rows, 120 px and a fraction, whose ends are rounded to the grid.
 
-    The head shifts both by pixels, and moves them apart by sigma.
+    The pose error shifts both by pixels, and moves them apart by sigma.
     """
     rng = np.random.default_rng(1998)
     start = 20 * rng.standard_normal(draws)

@@ -24,21 +24,22 @@ STRATA = ("ordinary", "wide", "harsh", "absurd")
 LIMIT = 1e-3
 CONFIDENCE = 0.999
 
-POSE_ERROR = """# Validity of the small-error model
+INTRODUCTION = """# Validity of the small-error model
 
-The joint model is of first order in the pose error. `viewgauge.evaluation.validity` names the pairs of viewpoint and
-characteristic for which that may be wrong by more than 1e-3 in probability; here it is judged over random set-ups, with
-the full camera model by randomised quasi-Monte Carlo as the reference. *Bad*: wrong by more than 1e-3, *good*: right
-within 1e-3, either beyond the reference's 99.9 % interval (to 1.5e-4 where needed); *undecided*: neither.
+The joint model is of first order in the pose error. `viewgauge.evaluation.validity` flags the pairs of viewpoint and
+characteristic for which its probability may be wrong by more than 1e-3. This page compares it with the full camera
+model, by randomised quasi-Monte Carlo, over random set-ups. A set-up is *bad* if the joint model is wrong by more than
+1e-3, and *good* if it is right within 1e-3, in both cases by more than the half-width of the reference's 99.9 %
+interval (1.5e-4 where needed). Otherwise it is *undecided*.
 
 - ordinary: up to 2 mrad and 0.1 % of the distance, up to 23 degrees off axis, images longer than 30 px;
 - wide: up to 2 mrad and 0.2 %, up to 57 degrees off axis;
 - harsh: up to 20 mrad and 3 %;
 - absurd: up to 0.3 rad and 30 %, images of 1 px on, segments along the line of sight, tolerances of a thousandth to a
-  hundred standard deviations, pivots at twice the distance.
+  hundred standard deviations, origins of the pose error frame at twice the distance.
 
-Half of all covariances are full. Edge detectors resolve 1, 0.1, 0.02 or 0 px. The thresholds were set on the seeds 1
-and 2 (500 set-ups a stratum each); below are {count} a stratum of seed {seed}, printed by
+Half of all covariances are full. The edge detectors have steps of 1, 0.1, 0.02 or 0 px. The thresholds were set on the
+seeds 1 and 2 (500 set-ups per stratum each). The table shows {count} set-ups per stratum of seed {seed}, printed by
 `python benchmarks/validity_sweep.py --count {count} --seed {seed}`.
 """
 
@@ -68,12 +69,12 @@ class Judged:
 
     @property
     def bad(self) -> bool:
-        """The joint model is wrong by more than 1e-3 for sure."""
+        """The joint model is wrong by more than 1e-3 beyond the reference's interval."""
         return abs(self.joint - self.exact) - self.half_width > LIMIT
 
     @property
     def good(self) -> bool:
-        """The joint model is right within 1e-3 for sure."""
+        """The joint model is right within 1e-3 beyond the reference's interval."""
         return abs(self.joint - self.exact) + self.half_width <= LIMIT
 
 
@@ -187,7 +188,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=3)
     arguments = parser.parse_args()
     judged = sweep(arguments.count, arguments.seed)
-    print(POSE_ERROR.format(count=arguments.count, seed=arguments.seed))
+    print(INTRODUCTION.format(count=arguments.count, seed=arguments.seed))
     print(report(judged))
 
 

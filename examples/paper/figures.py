@@ -27,7 +27,7 @@ from viewgauge.errors.law import Law
 mpl.use("Agg")
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "pictures" / "paper"
-# Okabe and Ito's palette, told apart by the colour-blind; line styles and widths besides
+# Okabe and Ito's palette, distinct for the colour-blind; line styles and widths besides
 COLOURS = ("#000000", "#E69F00", "#0072B2", "#009E73", "#D55E00", "#CC79A7")
 STYLES = ("-", (0, (4, 2)), "-", (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1.2)), (0, (1, 1)))
 WIDTHS = (2.6, 1.6, 1.6, 1.6, 1.6, 1.6)

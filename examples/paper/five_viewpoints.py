@@ -31,7 +31,7 @@ LARGEST_DEVIATION = 0.005  # of a probability from the printed one: half a unit 
 SAME = 0.005  # relative difference up to which two lengths, distances or spreads count as the same
 DIFFERENT_ORIENTATION_DEG = 20.0  # what counts as a significantly different orientation
 GRID_PX = np.linspace(-4, 4, 801)  # errors at which densities are compared
-QUANTILE = 0.95  # share of measurements for which the kept tolerance is told
+QUANTILE = 0.95  # share of measurements for which the kept tolerance is printed
 DRAWS, CONFIDENCE, SEED = 1_000_000, 0.99, 1998
 
 Model = Literal["independent", "joint"]
@@ -39,7 +39,7 @@ Model = Literal["independent", "joint"]
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """A viewpoint, told by where the camera sees E2.
+    """A viewpoint, described by where the camera sees E2.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ class Viewpoint:
 
 @dataclass(frozen=True)
 class Experiment:
-    """Camera, head, E2 and the five viewpoints.
+    """Camera, pose error, E2 and the five viewpoints.
 
     Parameters
     ----------
     focal_length_mm, pixel_pitch_mm, resolution
         The camera.
     translation_mm, rotation_rad
-        Standard deviations of the head's errors, equal along the three axes as in the paper's section III.
+        Standard deviations of the pose error, equal along the three axes as in the paper's section III.
     length_mm
         Length of E2.
     image_angle_deg
@@ -149,7 +149,7 @@ RECONSTRUCTION = Experiment(
     focal_length_mm=4.8,  # wide C-mount lens: ss5 lies 37 degrees off the axis
     pixel_pitch_mm=0.01375,  # 2/3 inch CCD, 8.8 mm x 6.6 mm, digitized to square pixels
     resolution=(640, 480),
-    translation_mm=0.2,  # a small robot's or pan-tilt head's repeatability, one standard deviation per axis
+    translation_mm=0.2,  # a small robot's or pan-tilt unit's repeatability, one standard deviation per axis
     rotation_rad=0.0012,  # 0.07 degrees
     length_mm=120.0,  # all lengths scale together: only ratios to the distances matter
     # fitted from here on
@@ -361,14 +361,14 @@ def relations_of_laws(experiment: Experiment, rows: list[Row]) -> list[Relation]
     ]
 
 
-def markdown(pose_error: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+def markdown(columns: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     """A Markdown table."""
-    return "\n".join("| " + " | ".join(line) + " |" for line in (pose_error, ["---"] * len(pose_error), *lines))
+    return "\n".join("| " + " | ".join(line) + " |" for line in (columns, ["---"] * len(columns), *lines))
 
 
 def probability_table(rows: list[Row], exact: list[Estimate]) -> str:
     """The viewpoints and the probability of 99 % accuracy: as printed, and by the three models."""
-    pose_error = [
+    columns = [
         "viewpoint",
         "distance, mm",
         "off axis, deg",
@@ -379,7 +379,7 @@ def probability_table(rows: list[Row], exact: list[Estimate]) -> str:
         "joint",
     ]
     return markdown(
-        [*pose_error, "full camera model", f"its {CONFIDENCE:.0%} interval"],
+        [*columns, "full camera model", f"its {CONFIDENCE:.0%} interval"],
         [
             [
                 row.viewpoint.name,
@@ -418,14 +418,14 @@ def spread_table(rows: list[Row]) -> str:
 
 
 def remedy_table(experiment: Experiment) -> str:
-    """What a better edge detector or a better head would do, by both models."""
+    """The effect of a better edge detector or a smaller pose error, by both models."""
     half_pose_error = replace(
         experiment, translation_mm=experiment.translation_mm / 2, rotation_rad=experiment.rotation_rad / 2
     )
     cases = {
         "as it is": experiment,
         "edges to 0.1 px": replace(experiment, edge_resolution_px=0.1),
-        "head errors halved": half_pose_error,
+        "pose error halved": half_pose_error,
     }
     return markdown(
         ["case", "model", *(viewpoint.name for viewpoint in experiment.viewpoints)],

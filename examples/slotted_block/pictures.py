@@ -1,4 +1,4 @@
-"""All pictures of the block's plan, and what the plan would be worth with another head.
+"""All pictures of the block's plan, and the effect of other pose uncertainties on the plan.
 
 Usage: python pictures.py FOLDER
 
@@ -19,7 +19,7 @@ OF_ALL, OF_ONE = ("scene", "table", "budget"), ("laws", "accuracy", "directions"
 
 
 def main(folder: Path) -> None:
-    """Draw, and print what heads that hold their position more or less well would do to the plan."""
+    """Draw the pictures, and print the effect of the pose uncertainty on the plan."""
     folder.mkdir(parents=True, exist_ok=True)
     inspection = vg.load(HERE / "inspection.yaml")
     plan = vg.read_plan(HERE / "plan") if (HERE / "plan" / "plan.json").exists() else vg.plan(inspection)
@@ -28,7 +28,7 @@ def main(folder: Path) -> None:
         vg.write_chart(chart, folder / f"{what}.html", f"{inspection.name}: {what}")
     print(f"{len(OF_ALL) + len(OF_ONE)} pictures in {folder}")
 
-    what_if = WhatIf(inspection, plan)  # what the workbench asks when a knob is turned
+    what_if = WhatIf(inspection, plan)  # what the workbench uses when a value is changed
     for translation in (0.08, 0.1, 0.12, 0.15):
         answers = what_if.answers(replace(what_if.today, translation_mm=translation))
         weakest = answers.weakest
@@ -37,7 +37,7 @@ def main(folder: Path) -> None:
             f"{answers.met} of {len(answers.characteristics)} met, weakest {weakest.characteristic.id} "
             f"{weakest.probability:.5f}"
         )
-        print(f"head good to {translation} mm: {reported}")
+        print(f"translation uncertain by {translation} mm: {reported}")
 
 
 if __name__ == "__main__":

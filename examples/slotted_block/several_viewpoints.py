@@ -1,5 +1,4 @@
-"""The numbers of docs/howto/acquisitions.md: what averaging several viewpoints gains on the block, and what limits the
-gain.
+"""The numbers of docs/howto/averaging.md: what averaging several viewpoints gains on the block, and what limits the gain.
 
 Usage: python several_viewpoints.py
 """
@@ -47,15 +46,15 @@ def main() -> None:
     met = sum(characteristic.status == "met" for characteristic in plan.characteristics)
     print(f"one acquisition: {met} of {len(plan.characteristics)} characteristics met from {plan.count} viewpoints\n")
 
-    print("looks at most | met | viewpoints")
+    print("at most | met | viewpoints")
     for most in (2, 3, 4, 8):
         added = averaged(job, planned, most)
-        print(f"{most:13} | {met + len(added.characteristics):3} | {plan.count + len(added.viewpoints)}")
+        print(f"{most:7} | {met + len(added.characteristics):3} | {plan.count + len(added.viewpoints)}")
 
-    print(f"\ndimension | best acquisition | mean | acquisitions, at most {inspection.acquisitions}")
-    for entry in averaged(job, planned, inspection.acquisitions).characteristics:
+    print(f"\ncharacteristic | best acquisition | mean | acquisitions, at most {inspection.averaged_viewpoints}")
+    for entry in averaged(job, planned, inspection.averaged_viewpoints).characteristics:
         name = job.characteristics[entry.characteristic].id
-        print(f"{name:9} | {entry.probability_single:9.3f} | {entry.probability:.3f} | {len(entry.acquisitions)}")
+        print(f"{name:14} | {entry.probability_single:16.3f} | {entry.probability:.3f} | {len(entry.acquisitions)}")
 
     print("\nof the same error of an acquisition | met with at most 3")
     pose_error = inspection.pose_error
@@ -65,7 +64,7 @@ def main() -> None:
             T_camera_frame=pose_error.T_camera_frame,
             common_covariance=share * pose_error.covariance,
         )
-        added = averaged(replace(job, pose_error=other), planned, 3)
+        added = averaged(replace(job, setup=replace(job.setup, pose_error=other)), planned, 3)
         print(f"{said:27} | {met + len(added.characteristics)}")
 
 

@@ -9,7 +9,7 @@ import pytest
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
 
 
-@pytest.mark.parametrize("page", ["python.md", "full_camera.md"])
+@pytest.mark.parametrize("page", ["python.md", "full_camera_model.md"])
 def test_snippets_run_and_give_what_their_comments_say(page):
     blocks = re.findall(r"```python\n(.*?)```", (HOWTO / page).read_text(encoding="utf-8"), flags=re.DOTALL)
     names: dict[str, object] = {}
