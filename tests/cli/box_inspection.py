@@ -20,7 +20,7 @@ SECTIONS = {
       tolerance: '[-0.1, 0.2] mm'""",
     "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], "
     "edge_detector: {quantization: 0.1 px}}",
-    "pose_error": "{translation: 0.1 mm, rotation: 0.02 deg}",
+    "pose_uncertainty": "{translation: 0.1 mm, rotation: 0.02 deg}",
     "requirement": "{accuracy: 0.995, probability: 0.95}",
     "candidates": "{directions: 40, rolls: 2}",
 }

@@ -34,7 +34,7 @@ def test_plan_writes_its_files_and_ends_with_0(capsys):
     assert sorted(p.name for p in Path("new/nested folder").iterdir()) == [
         "assignments.csv", "plan.json", "report.html", "viewpoints.csv",
     ]  # fmt: skip
-    assert "2 of 2 dimensions" in out
+    assert "2 of 2 characteristics" in out
     assert "nested folder" in out
 
 
@@ -45,7 +45,7 @@ def test_json_is_plan_json(capsys):
     assert document["characteristics"][0]["id"] == "width"
 
 
-def test_an_not_met_characteristic_is_1_and_is_named_with_the_best_reached_and_the_cause(capsys):
+def test_a_not_met_characteristic_is_1_and_is_named_with_the_best_reached_and_the_cause(capsys):
     write(requirement="{error: 1 nm, probability: 0.95}")
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
     out = capsys.readouterr().out
@@ -207,7 +207,7 @@ def test_the_full_camera_gives_an_interval_as_narrow_as_asked():
 def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
     # a head known to 25 mm and 4 degrees
     write(
-        pose_error="{translation: 25 mm, rotation: 4 deg}",
+        pose_uncertainty="{translation: 25 mm, rotation: 4 deg}",
         requirement="{accuracy: 0.7, probability: 0.9}",
         candidates="{distance: '[300, 400] mm', directions: 20, rolls: 1}",
     )
@@ -241,21 +241,29 @@ def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
         ({"camera": SECTIONS["camera"].replace("16 mm", "16 deg")}, "12:camera.focal_length", "16 deg"),
         ({"camera": SECTIONS["camera"].replace("focal_length", "focal")}, "12:camera.focal", "unknown"),
         ({"camera": SECTIONS["camera"].replace("2448", "-2448")}, "12:camera.resolution", "-2448"),
-        ({"pose_error": "{translation: -0.1 mm, rotation: 0.02 deg}"}, "13:pose_uncertainty.translation", "-0.1 mm"),
-        ({"pose_error": "{translation: 0.1 deg, rotation: 0.02 deg}"}, "13:pose_uncertainty.translation", "0.1 deg"),
+        (
+            {"pose_uncertainty": "{translation: -0.1 mm, rotation: 0.02 deg}"},
+            "13:pose_uncertainty.translation",
+            "-0.1 mm",
+        ),
+        (
+            {"pose_uncertainty": "{translation: 0.1 deg, rotation: 0.02 deg}"},
+            "13:pose_uncertainty.translation",
+            "0.1 deg",
+        ),
         ({"requirement": "{accuracy: 1.5, probability: 0.95}"}, "14:requirement", "1.5"),
         ({"requirement": "{accuracy: 0.99, probability: 2}"}, "14:requirement.probability", "2"),
         ({"candidates": "{distance: '[600, 300] mm'}"}, "15:candidates.distance", "the nearer distance comes first"),
         ({"candidates": "{viewpoints: none.csv}"}, "", "none.csv"),
         ({"bogus": "1"}, "16:bogus", "unknown"),
         (
-            {"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, 4000] mm")},
+            {"part": SECTIONS["part"].replace("[80, 0, 40]]", "[80, 0, 4000]]")},
             "4:part.characteristics",
             "outside the part: its end is 3960 mm from the surface",
         ),
         (
-            {"part": SECTIONS["part"].replace("[80, 0, 40] mm", "[80, 0, .nan] mm")},
-            "6:part.characteristics[0].end",
+            {"part": SECTIONS["part"].replace("[80, 0, 40]]", "[80, 0, .nan]]")},
+            "5:part.characteristics[0].points",
             "nan",
         ),
         ({"part": "{file: box.stl}"}, "part.characteristics", "no characteristic to measure"),
@@ -280,7 +288,7 @@ def test_covariance_that_is_none(capsys):
     rows = np.diag([1.0, 1, 1, 1e-6, 1e-6, 1e-6])
     rows[0, 1] = rows[1, 0] = 2.0
     Path("cov.yaml").write_text("covariance:\n" + "".join(f"  - {row.tolist()}\n" for row in rows))
-    write(pose_error="{covariance: cov.yaml}")
+    write(pose_uncertainty="{covariance: cov.yaml}")
     err = refused(capsys, "check", "inspection.yaml")
     assert "pose_uncertainty.covariance" in err or "cov.yaml" in err
     assert "positive semidefinite" in err
@@ -391,7 +399,7 @@ def test_an_output_folder_without_permission(capsys, monkeypatch):
 def test_a_failure_leaves_an_older_plan_as_it_was(capsys):
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 0
     before = {p.name: p.read_bytes() for p in Path("out").iterdir()}
-    write(pose_error="{translation: -1 mm, rotation: 0.02 deg}")
+    write(pose_uncertainty="{translation: -1 mm, rotation: 0.02 deg}")
     capsys.readouterr()
     refused(capsys, "plan", "inspection.yaml", "-o", "out")
     assert {p.name: p.read_bytes() for p in Path("out").iterdir()} == before
@@ -409,8 +417,7 @@ def test_errors_as_json(capsys):
     assert error["expected"]
 
 
-# --- many viewpoints, many processes
-# ------------------------------------------------------------------------------------
+# --- many viewpoints, many processes ----------------------------------------------------------------------------------
 
 
 def plan(*options):
@@ -587,11 +594,11 @@ def test_ctrl_c_during_a_plan_is_130_and_leaves_nothing_half_written(folder):
     # many candidates, so that the plan is not done when the signal comes; it is sent once planning has begun
     write(candidates="{directions: 20000, rolls: 8, distances: 10}")
     code = (
-        "import signal, sys, viewgauge.jobs as w\n"
+        "import signal, sys, viewgauge as vg\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a test run in the background ignores it
-        "real = w.plan\n"
+        "real = vg.plan\n"
         "def plan(*a, **k):\n    print('begun', flush=True)\n    return real(*a, **k)\n"
-        "w.plan = plan\n"
+        "vg.plan = plan\n"
         "from viewgauge.cli import main\n"
         "sys.exit(main(sys.argv[1:]))"
     )

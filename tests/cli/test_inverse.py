@@ -26,7 +26,7 @@ def asked(capsys, *arguments, code):
 
 def test_improve_reports_the_slack_of_what_is_met(capsys):
     out = asked(capsys, "improve", "inspection.yaml", code=0)
-    assert out.startswith("2 of 2 dimensions are met today")
+    assert out.startswith("2 of 2 characteristics are met today")
     part = next(line.split() for line in out.splitlines() if line.split()[:1] == ["part"])
     assert part[1] == "met"
     assert float(part[2]) > 0.1  # px: the step of the edge detector may be worse than it is

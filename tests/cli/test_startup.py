@@ -73,8 +73,8 @@ def test_a_step_file_s_reading_begins_before_anything_heavy_is_loaded():
     Path("part.step").write_text(STEP)
     Path("inspection.yaml").write_text(BOX.replace("box.stl", "part.step"))
     modules = loaded(
-        "from viewgauge.formats import step_process\n"
-        "from viewgauge.jobs import load\n"
+        "from viewgauge.formats.step import kernel_process as step_process\n"
+        "from viewgauge.jobs.load import load\n"
         "class Started(Exception): pass\n"
         "def popen(*_, **__): raise Started\n"
         "step_process.subprocess.Popen = popen\n"

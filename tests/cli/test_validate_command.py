@@ -34,7 +34,7 @@ def test_shares_and_limits_are_reported(capsys):
     code = main(["validate", "inspection.yaml", "--viewpoints", "s.csv", "--repeats", "25", "-o", "pairs.csv"])
     out, err = capsys.readouterr()
     assert err == ""
-    assert "sub-pixel edges: 25 looks from 1 viewpoint" in out
+    assert "sub-pixel edges: 25 acquisitions from 1 viewpoint" in out
     assert "inside the 95 % interval:" in out
     assert "written to pairs.csv" in out
     assert code == (1 if "NOT as predicted" in out else 0)

@@ -72,7 +72,7 @@ def test_limits_are_rounded_to_the_side_that_keeps_them():
     assert page.row("E1") == ["E1", "0.9700", "≤ 0.1487", "any", "191.3 to 593.5", "≥ 10.72"]
     assert page.row("E2") == ["E2", "0.5100", "≤ 0.05", "(0.6123)", "–", "≤ 32"]
     assert page.row("The part")[2] == "≤ 0.05"
-    assert "1 of 2 dimensions are met today" in page.text
+    assert "1 of 2 characteristics are met today" in page.text
     assert "E3: they are not seen" in page.text
 
 

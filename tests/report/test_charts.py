@@ -190,7 +190,7 @@ def test_words_can_be_read(theme, ink):
 
 
 def test_the_report_has_the_same_inks():
-    from viewgauge.report.page.report_page.report_page import resource
+    from viewgauge.report.page.report_page import resource
 
     css = resource("page.css")
     light, dark = css.split("@media (prefers-color-scheme: dark)", 1)
