@@ -190,9 +190,9 @@ def test_words_can_be_read(theme, ink):
 
 
 def test_the_report_has_the_same_inks():
-    from viewgauge.report.page.report_page import resource
+    from viewgauge.report.templating import verbatim
 
-    css = resource("page.css")
+    css = verbatim("page.css")
     light, dark = css.split("@media (prefers-color-scheme: dark)", 1)
     for part, colour in SOURCE_COLOURS.items():
         assert f".part-{part} {{ background: {colour}; }}" in css

@@ -28,7 +28,7 @@ from ..jobs.write_report import plan_report
 from ..planning.improve.answers import Answers
 from ..planning.inspection import Inspection
 from ..report.palette import DARK, LIGHT
-from ..report.workbench import legend, message, verdict_markup, workbench_style
+from ..report.workbench_markup import legend, message, verdict_markup, workbench_style
 from .controls import LOOK_AT, Controls
 from .findings import Findings, choose
 from .refresher import Refresher
