@@ -205,7 +205,7 @@ def test_the_full_camera_gives_an_interval_as_narrow_as_asked():
 
 
 def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
-    # a head known to 25 mm and 4 degrees
+    # a pose known to 25 mm and 4 degrees
     write(
         pose_uncertainty="{translation: 25 mm, rotation: 4 deg}",
         requirement="{accuracy: 0.7, probability: 0.9}",

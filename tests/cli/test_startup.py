@@ -18,7 +18,7 @@ requirement: {accuracy: 0.9, probability: 0.5}
 """
 VIEWPOINTS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\n"
 STEP = "ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n"
-DRAWING = {"plotly", "viewgauge.report"}  # and Jinja, which trimesh loads too: beside a mesh it tells nothing
+DRAWING = {"plotly", "viewgauge.report"}  # and Jinja, but where Dask is installed pint loads it too
 HEAVY = {
     "numpy",
     "scipy",

@@ -121,7 +121,7 @@ def regular(browser, workbench):
 def visit(regular):
     """The regular visit with all knobs as the inspection has them."""
     regular.close_notifications()
-    regular.page.get_by_role("button", name="As the inspection has it").click()
+    regular.page.get_by_role("button", name="Reset").click()
     regular.tab("Characteristics")
     yield regular
     regular.assert_clean()
@@ -185,7 +185,12 @@ def test_a_chosen_characteristic_shows_its_laws_by_both_models(visit, inspection
     laws = vg.measurand_laws(inspection, plan)[name]
     independent = float(laws.independent_probability(answer.allowed_error_mm))
     expect(visit.page.locator("tr", has_text="model of 1998")).to_contain_text(floor4(independent))
-    for heading in (f"Error of {name}", f"How surely {name}", f"uncertainty of {name}", f"{name} from all directions"):
+    for heading in (
+        f"Error of {name}",
+        f"Probability of each accuracy of {name}",
+        f"uncertainty of {name}",
+        f"{name} from all directions",
+    ):
         expect(visit.page.locator(".gtitle", has_text=heading)).to_be_attached()
 
 
@@ -213,7 +218,7 @@ def test_a_turned_knob_changes_the_numbers_and_back(visit, inspection, plan):
         f"{len(after.characteristics) - after.met} of {len(after.characteristics)} characteristics"
     )
     visit.expect_rows(after)
-    visit.page.get_by_role("button", name="As the inspection has it").click()
+    visit.page.get_by_role("button", name="Reset").click()
     visit.expect_rows(before)
 
 
@@ -334,7 +339,7 @@ def test_a_dragged_camera_takes_everything_with_it(visit, workbench, inspection,
     assert [a.probability for a in moved.characteristics] != [a.probability for a in still.characteristics]
     visitor._moved(name, SimpleNamespace(**pose_parts(pose)))
     visit.expect_rows(moved)
-    visit.page.get_by_role("button", name="As the inspection has it").click()
+    visit.page.get_by_role("button", name="Reset").click()
     visit.expect_rows(still)
     visit.page.get_by_label("Drag the chosen viewpoint").uncheck()
 

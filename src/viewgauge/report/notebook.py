@@ -101,7 +101,7 @@ def _plot_measurand_laws(
     name: str = "the characteristic",
     dark: bool = False,
 ) -> PlotlyFigure:
-    """Densities of the parts of the error; with a required probability how surely which accuracy is reached."""
+    """Densities of the parts of the error; with a required probability, that of each accuracy."""
     allowed = 2 * laws.standard_uncertainty_mm if allowed_error_mm is None else allowed_error_mm
     if required is None:
         return _drawn(laws_chart(name, laws, allowed, dark=dark))
@@ -163,8 +163,8 @@ def _described_measurand_laws(laws: MeasurandLaws) -> str:
     facts = [
         ("measurand", f"{length(laws.length_mm)} mm"),
         ("u of the error", f"{laws.standard_uncertainty_mm:.3g} mm"),
-        ("by the pose of the head", f"{float(laws.displacement.std()):.3g} mm"),
-        ("by the camera", f"{float(laws.camera.std()):.3g} mm"),
+        ("from the camera pose", f"{float(laws.displacement.std()):.3g} mm"),
+        ("from the camera", f"{float(laws.camera.std()):.3g} mm"),
     ]
     return _facts("Laws of the error of a characteristic", facts)
 

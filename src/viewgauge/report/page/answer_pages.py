@@ -22,7 +22,7 @@ _MARKS = ("circle", "square", "diamond", "cross", "triangle-up", "x")
 def render_improvement(
     improvement: Improvement, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
 ) -> str:
-    """What to improve as one HTML text: a picture of pixels against head, and the least change of each thing."""
+    """What to improve as one HTML text: edge detector against pose uncertainty, and the least change of each thing."""
     characteristics = improvement.characteristics
     met = sum(characteristic.met for characteristic in characteristics)
     return _page(
@@ -41,11 +41,13 @@ def render_improvement(
 def render_specification(
     specification: Specification, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
 ) -> str:
-    """Cameras for a part as one HTML text: a picture of pixels against head, and a row for each sensor and lens."""
+    """Cameras for a part as one HTML text: pixels against the pose uncertainty, and a row for each sensor and lens."""
     smallest = specification.smallest
-    verdict = "No camera that was tried meets the part with the head of today"
+    verdict = "No camera that was tried measures every characteristic with today's pose uncertainty"
     if smallest is not None:
-        verdict = f"Fewest pixels with the head of today: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
+        verdict = (
+            f"Fewest pixels with today's pose uncertainty: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
+        )
     best = {id(choice) for choice in specification.best}
     return _page(
         "specification.html",
@@ -106,7 +108,7 @@ def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
         "x": [pixel for pixel, _ in trades],
         "y": [factor for _, factor in trades],
         "mode": "lines+markers",
-        "name": "the part is just met",
+        "name": "every characteristic is just met",
         "line": {"color": _COLOURS[0], "width": 3},
     }
     today = {
@@ -116,7 +118,10 @@ def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
         "name": "today",
         "marker": {"color": "#D00000", "size": 14, "symbol": "star"},
     }
-    return {"data": [line, today], "layout": _layout("step of the edge detector / px", "errors of the head / of today")}
+    return {
+        "data": [line, today],
+        "layout": _layout("step of the edge detector / px", "largest pose uncertainty / of today's"),
+    }
 
 
 def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
@@ -134,7 +139,7 @@ def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
                 "line": {"dash": "dot", "width": 1},
             }
         )
-    layout = _layout("megapixels", "errors of the head, at most / of today")
+    layout = _layout("megapixels", "largest pose uncertainty / of today's")
     layout["shapes"] = [
         {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 1, "y1": 1, "line": {"color": "#D00000", "width": 2}}
     ]

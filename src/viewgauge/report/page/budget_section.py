@@ -15,7 +15,14 @@ from .ranking import ranked
 
 __all__ = ["budget_section", "capability_section", "refinement_section"]
 
-_STEPS = {"sampled": "Candidates", "reach": "Reaching more", "surer": "Surer", "fewer": "Fewer"}
+_STEPS = {
+    "sampled": "Choosing among the candidates",
+    "reach": "Measuring more",
+    "surer": "Raising probabilities",
+    "fewer": "Dropping viewpoints",
+}
+"""Words for the steps of :mod:`viewgauge.planning.refine.refinement`."""
+
 _FIGURES = {
     "percent_p_to_t": "P/T / %",
     "cg": "Cg",

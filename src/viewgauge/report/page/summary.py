@@ -34,7 +34,7 @@ def _missing(plan: Plan) -> str:
     """The names of what is missing, as many as fit."""
     names = [characteristic.id for characteristic in plan.characteristics if characteristic.status != "met"]
     if not names:
-        return "as accurately and surely as required"
+        return "each with the required accuracy and probability"
     more = len(names) - NAMES_SHOWN
     return "missing: " + ", ".join(names[:NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
 
@@ -64,7 +64,7 @@ def summary_section(plan: Plan) -> Markup:
     cards = (
         ("Characteristics met", f"{len(met)} of {len(plan.characteristics)}", _missing(plan)),
         ("Camera viewpoints", str(plan.count), _optimality(plan)),
-        ("Least sure of those met", *lowest),
+        ("Least probable of those met", *lowest),
         ("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
     )
     return render("summary.html", verdict=text, good=good, cards=cards)

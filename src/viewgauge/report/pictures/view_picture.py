@@ -22,7 +22,7 @@ REASON_WORDS = {
     "out_of_focus": "out of focus",
     "occluded": "hidden by the part",
 }
-"""Of the observability conditions."""
+"""What each observability condition that fails is called."""
 
 _WIDTH = 480
 """Of the picture, in units of which strokes and letters have a few."""
@@ -42,7 +42,7 @@ class SeenCharacteristic:
     ends_px
         ``(2, 2)`` px in the full image: the two points of its measurand; None where not visible.
     probability
-        From here; 0 where not visible.
+        The probability from here; 0 where not visible.
     planned
         The plan measures it from here.
     """
