@@ -52,10 +52,10 @@ def test_refined_plans_are_no_worse_and_the_full_camera_agrees():
 def test_the_validation_s_parts_run(tmp_path):
     """Few acquisitions of each part: it makes its tables and pictures."""
     pytest.importorskip("cv2", reason="OpenCV is not installed")
-    out = run("benchmarks/validation.py", str(tmp_path), "--part", "paper", "--repeats", "2")
+    out = run("benchmarks/validation.py", str(tmp_path), "--part", "paper", "--repeats", "1")
     rows = [line for line in out.splitlines() if line.startswith("| ss")]
     assert len(rows) == 5
-    assert all(row.endswith("of 20 |") for row in rows)
+    assert all(row.endswith("of 10 |") for row in rows)
     assert (tmp_path / "paper_figure_7.png").stat().st_size > 10_000
     out = run("benchmarks/validation.py", str(tmp_path), "--part", "quantization")
     assert "| 0.5 px | 1.00 to 1.00 | 1.00 to 1.00 |" in out

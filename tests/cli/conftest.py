@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from box_inspection import write
 
+from inspections import write_box
+
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder, also the current one, with a box and its inspection file."""
-    import trimesh
-
     monkeypatch.chdir(tmp_path)
-    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export("box.stl")
+    write_box()
     write()
     return tmp_path

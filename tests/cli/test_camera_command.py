@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from box_inspection import SECTIONS, refused, write
+from box_inspection import refused, write
 
+from inspections import BOX
 from viewgauge.cli import main
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -46,7 +47,7 @@ def test_a_calibration_is_reported_and_written(capsys):
 
 
 def test_the_camera_of_an_inspection(capsys):
-    write(camera=SECTIONS["camera"].replace("edge_detector", "distortion: [-0.1, 0, 0, 0], edge_detector"))
+    write(camera=BOX["camera"].replace("edge_detector", "distortion: [-0.1, 0, 0, 0], edge_detector"))
     assert main(["camera", "inspection.yaml", "-o", "deep.yaml"]) == 0
     assert "inspection file: 2448 x 2048 px" in capsys.readouterr().out
     write(camera="{calibration: deep.yaml, pixel_pitch: 3.45 um}")

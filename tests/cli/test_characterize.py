@@ -30,7 +30,7 @@ def test_it_says_and_writes_a_pose_error_that_the_inspection_reads(capsys):
     assert err == ""
     assert "15 samples (pose errors), 14 degrees of freedom" in out
     assert "written to heads/mine.yaml" in out
-    write(pose_error="{covariance: heads/mine.yaml}")
+    write(pose_uncertainty="{covariance: heads/mine.yaml}")
     pose_error = vg.load("inspection.yaml").pose_error
     k = t.ppf(0.975, 14) / norm.ppf(0.975)  # the requirement's probability is 0.95
     assert pose_error.covariance == pytest.approx(k**2 * np.cov(values.T))

@@ -13,7 +13,7 @@ from viewgauge.cli import main
 
 pytestmark = pytest.mark.usefixtures("folder")
 
-HARD = "{accuracy: 0.9997, probability: 0.95}"  # more than the box's head allows
+HARD = "{accuracy: 0.9997, probability: 0.95}"  # more than the box's pose uncertainty allows
 FEW = "{directions: 30, rolls: 2, distance: '[250, 450] mm'}"
 
 
@@ -26,11 +26,11 @@ def asked(capsys, *arguments, code):
 
 def test_improve_reports_the_slack_of_what_is_met(capsys):
     out = asked(capsys, "improve", "inspection.yaml", code=0)
-    assert out.startswith("2 of 2 dimensions are met today")
+    assert out.startswith("2 of 2 characteristics are met today")
     part = next(line.split() for line in out.splitlines() if line.split()[:1] == ["part"])
     assert part[1] == "met"
     assert float(part[2]) > 0.1  # px: the step of the edge detector may be worse than it is
-    assert "pixels against head" in out
+    assert "edge detector against pose uncertainty" in out
 
 
 def test_improve_reports_what_to_change_and_ends_with_1(capsys):
@@ -66,7 +66,7 @@ def test_answers_as_a_page(capsys, command):
     write(candidates="{directions: 12, rolls: 1, distances: 1, targets: 0}")
     out = asked(capsys, command, "inspection.yaml", "-o", "answers.html", code=0)
     assert "written to answers.html" in out
-    assert "<h2>Pixels against head</h2>" in Path("answers.html").read_text()
+    assert "<h2>Edge detector against pose uncertainty</h2>" in Path("answers.html").read_text()
 
 
 @pytest.mark.parametrize("command", ["improve", "specify"])
@@ -93,7 +93,7 @@ def test_specify_names_cameras_and_pose_errors(capsys):
 def test_what_cannot_be_seen_at_all_is_left_out_and_named(capsys):
     write(candidates="{directions: 40, cone: {axis: [0, -1, 2], half_angle: 20 deg}}")
     out = asked(capsys, "improve", "inspection.yaml", code=1)
-    assert "no camera or head error is in the way of heel" in out
+    assert "not seen from any viewpoint that was tried: heel" in out
 
 
 @pytest.mark.parametrize("command", ["improve", "specify"])

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from box_inspection import refused, write
 
+from inspections import box_part, entry
 from viewgauge.cli import main
 
 pytestmark = pytest.mark.usefixtures("planned")
@@ -70,15 +71,7 @@ def test_mistakes_are_reported(capsys, arguments, reported):
 
 
 def test_the_plan_of_another_inspection_is_refused(capsys):
-    write(
-        part="""
-  file: box.stl
-  characteristics:
-    - id: other
-      points: [[0, 0, 40], [80, 0, 40]]
-      unit: mm
-      tolerance: 0.1 mm"""
-    )
+    write(part=box_part(entry("other", "[0, 0, 40]", "[80, 0, 40]")))
     assert "of another part" in refused(capsys, "plot", "inspection.yaml", "plan", "-o", "out.html")
 
 

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from box_inspection import SECTIONS, refused, write
+from box_inspection import refused, write
 
+from inspections import BOX
 from viewgauge.cli import main
 
 cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
 pytestmark = pytest.mark.usefixtures("small")
 
 VIEWPOINTS = "id,x,y,z,qw,qx,qy,qz\nabove,40,0,350,0,1,0,0\nbeside,40,-20,330,0,1,0,0\n"
-SMALL = SECTIONS["camera"].replace("[2448, 2048]", "[480, 360]").replace("3.45 um", "17 um")
+SMALL = BOX["camera"].replace("[2448, 2048]", "[480, 360]").replace("3.45 um", "17 um")
 
 
 @pytest.fixture

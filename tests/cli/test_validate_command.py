@@ -7,13 +7,14 @@ import json
 from pathlib import Path
 
 import pytest
-from box_inspection import SECTIONS, refused, write
+from box_inspection import refused, write
 
+from inspections import BOX
 from viewgauge.cli import main
 
 pytestmark = pytest.mark.usefixtures("small")
 
-SMALL = SECTIONS["camera"].replace("[2448, 2048]", "[800, 600]").replace("3.45 um", "8 um")
+SMALL = BOX["camera"].replace("[2448, 2048]", "[800, 600]").replace("3.45 um", "8 um")
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def test_shares_and_limits_are_reported(capsys):
     code = main(["validate", "inspection.yaml", "--viewpoints", "s.csv", "--repeats", "25", "-o", "pairs.csv"])
     out, err = capsys.readouterr()
     assert err == ""
-    assert "sub-pixel edges: 25 looks from 1 viewpoint" in out
+    assert "sub-pixel edges: 25 acquisitions from 1 viewpoint" in out
     assert "inside the 95 % interval:" in out
     assert "written to pairs.csv" in out
     assert code == (1 if "NOT as predicted" in out else 0)

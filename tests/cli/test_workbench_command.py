@@ -14,19 +14,13 @@ import urllib.request
 import pytest
 from box_inspection import refused, write
 
+from inspections import box_part, entry
+
 pytest.importorskip("viser")
 
 from viewgauge.cli import main
 
 pytestmark = pytest.mark.usefixtures("folder")
-
-BOX = """
-  file: box.stl
-  characteristics:
-    - id: other
-      points: [[0, 0, 40], [80, 0, 40]]
-      unit: mm
-      tolerance: 0.1 mm"""
 
 
 def test_a_missing_inspection_is_reported(capsys):
@@ -40,7 +34,7 @@ def test_a_missing_plan_is_reported(capsys):
 def test_the_plan_of_another_inspection_is_reported(capsys):
     assert main(["plan", "inspection.yaml", "-o", "plan", "--no-refine", "--no-prove"]) == 0
     capsys.readouterr()
-    write(part=BOX)
+    write(part=box_part(entry("other", "[0, 0, 40]", "[80, 0, 40]")))
     assert "of another part" in refused(capsys, "workbench", "inspection.yaml", "--plan", "plan")
 
 
@@ -89,13 +83,13 @@ def test_it_serves_until_it_is_ended(host, end):
                 break
         assert address is not None
         opened = address if host == "127.0.0.1" else re.sub(r"//[^:/]+:", "//127.0.0.1:", address)
-        with urllib.request.urlopen(opened, timeout=20) as page:
+        with urllib.request.urlopen(opened, timeout=120) as page:
             assert page.status == 200
         if host == "0.0.0.0":
             with pytest.raises(urllib.error.HTTPError, match="401"):
-                urllib.request.urlopen(opened.split("?")[0], timeout=20)
+                urllib.request.urlopen(opened.split("?")[0], timeout=120)
         running.send_signal(end)
-        _, err = running.communicate(timeout=60)
+        _, err = running.communicate(timeout=300)
     finally:
         running.kill()
     assert running.returncode == 0

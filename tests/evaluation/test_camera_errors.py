@@ -58,18 +58,25 @@ RIM_AXIS = np.cross(_ACROSS, [0.2, 1.0, 0.5])
 RIM_AXIS /= np.linalg.norm(RIM_AXIS)
 
 
+@pytest.mark.parametrize(
+    "of_each",  # share of standard deviations, and which segments
+    [
+        {0.7: [0, 2], 1.6: [1, 3]},
+        pytest.param({0.7: [1, 3], 1.6: [0, 2]}, marks=pytest.mark.study),
+    ],
+    ids=["half", "other half"],
+)
 @pytest.mark.parametrize("error", [POSE_ERROR, STILL], ids=["pose_error", "no head error"])
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
-def test_the_law_agrees_with_the_full_camera(camera, error):
+def test_the_law_agrees_with_the_full_camera(camera, error, of_each):
     """In probability, at 0.7 and 1.6 standard deviations, to 1.5e-3: 1e-3 of the estimate (99 % interval) and of what
     the law leaves out (quantization of the two ends by their mean square)."""
-    image = image_segment(SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error)
-    for share in (0.7, 1.6):
+    for share, some in of_each.items():
+        start, end = SEGMENTS[some, 0], SEGMENTS[some, 1]
+        image = image_segment(start, end, camera, error)
         T = share * image.total_error().std() / image.length_mm
-        law = success_probability(SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error, T)
-        exact = estimate_success_probabilities(
-            SEGMENTS[:, 0], SEGMENTS[:, 1], camera, error, T, sampling=Sampling(precision=1e-3)
-        )
+        law = success_probability(start, end, camera, error, T)
+        exact = estimate_success_probabilities(start, end, camera, error, T, sampling=Sampling(precision=1e-3))
         assert (np.abs(law - exact.probability) < 1.5e-3).all(), (law, exact.probability)
         assert ((law > 0.3) & (law < 0.97)).all(), "probabilities that say something"
 
@@ -173,13 +180,17 @@ SHARED = PoseError(
 )
 
 
+@pytest.mark.parametrize("draws", [250_000, pytest.param(1_000_000, marks=pytest.mark.study)])
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
-def test_the_mean_of_acquisitions_agrees_with_the_full_camera(camera):
-    """10^6 draws: a 99.9 % interval of 1.6e-3, and 1e-3 of what the law leaves out."""
+def test_the_mean_of_acquisitions_agrees_with_the_full_camera(camera, draws):
+    """A 99.9 % interval, of 3 (1.5) thousandths to either side, and 1e-3 of what the law leaves out.
+
+    False alarms: less than 0.1 % for each of seven cameras; the seed is fixed.
+    """
     budget = averaged_error_budget(ACQUISITIONS, camera, SHARED, 0.05)
     allowed = 1.1 * float(budget.combined_uncertainty_mm)
     law = averaged_success_probability(ACQUISITIONS, camera, SHARED, allowed)
-    exact = estimate_averaged_probability(ACQUISITIONS, camera, SHARED, allowed, draws=1_000_000, rng=5)
+    exact = estimate_averaged_probability(ACQUISITIONS, camera, SHARED, allowed, draws=draws, rng=5)
     assert exact.low - 1e-3 <= law <= exact.high + 1e-3
     assert budget.share.sum() == pytest.approx(1, abs=1e-12)
     again = averaged_error_budget(ACQUISITIONS, camera, SHARED, allowed)

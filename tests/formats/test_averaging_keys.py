@@ -7,35 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import inspections
 import viewgauge as vg
+from inspections import MINIMAL
 from viewgauge.execution.chunks import EvaluationJob, candidate_grid
 from viewgauge.execution.fingerprint import job_fingerprint
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 
-# the lines are asserted below
-FILE = """\
-part:
-  file: part.step
-camera:
-  focal_length: 16 mm
-  pixel_pitch: 3.45 um
-  resolution: [2448, 2048]
-pose_uncertainty:
-  translation: 0.1 mm
-  rotation: 1 mrad
-  common:
-    translation: "[0.2, 0.3, 0.4] mm"
-    rotation: 2 mrad
-  frame: {position: "[0, 0, -16] mm"}
-averaging:
-  viewpoints: 3
-requirement:
-  error: 0.05 mm
-  probability: 0.95
-"""
 COMMON = "  common:\n    translation: '[0.2, 0.3, 0.4] mm'\n    rotation: 2 mrad\n"
+POSE_ERROR = "  rotation: 1 mrad\n" + COMMON + "  frame: {position: '[0, 0, -16] mm'}\nlooks:\n  most: 3\n"
+FILE = inspections.changed("  rotation: 0.02 deg\n", POSE_ERROR, MINIMAL)
 BY_FILE = "  common:\n    covariance: common.yaml\n"
 MATRIX = np.diag([0.04, 0.09, 0.16, 4e-6, 4e-6, 4e-6])
 OWN = np.diag([0.01] * 3 + [1e-6] * 3)
@@ -48,8 +31,7 @@ def read(tmp_path, text):
 
 
 def changed(old, new, base=FILE):
-    assert old in base
-    return base.replace(old, new)
+    return inspections.changed(old, new, base)
 
 
 def written(matrix):

@@ -5,25 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from inspections import CAMERA_KEYS, HEAD_LINES, PART_LINES, REQUIREMENT_LINES
 from viewgauge.errors import edge_point_deviation
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.geometry import Lens
 from viewgauge.sensors import EdgeDetector
 
-TEXT = """\
-part:
-  file: part.step
-camera:
-%s
-pose_uncertainty:
-  translation: 0.1 mm
-  rotation: 0.02 deg
-requirement:
-  error: 0.05 mm
-  probability: 0.95
-"""
-OWN = "  focal_length: 16 mm\n  pixel_pitch: 3.45 um\n  resolution: [2448, 2048]\n"
+TEXT = PART_LINES + "camera:\n%s\n" + HEAD_LINES + REQUIREMENT_LINES
+OWN = CAMERA_KEYS
 FILED = "  calibration: camera.yaml\n  pixel_pitch: 3.45 um\n"
 TOPIC = """\
 height: 2048

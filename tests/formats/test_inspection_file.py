@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import inspections
+from inspections import MINIMAL
 from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import CharacteristicEntry, read_inspection_file
@@ -43,22 +45,6 @@ candidates:                         # optional, sensible defaults from part and 
   viewpoints: poses.csv               # or explicit viewpoints instead of sampled ones
 """  # noqa: E501
 
-# the lines of each section are asserted below
-MINIMAL = """\
-part:
-  file: part.step
-camera:
-  focal_length: 16 mm
-  pixel_pitch: 3.45 um
-  resolution: [2448, 2048]
-pose_uncertainty:
-  translation: 0.1 mm
-  rotation: 0.02 deg
-requirement:
-  error: 0.05 mm
-  probability: 0.95
-"""
-
 TWO_DIMENSIONS = """\
   characteristics:
     - id: A
@@ -76,8 +62,7 @@ def read(tmp_path, text):
 
 
 def changed(old, new, base=MINIMAL):
-    assert old in base
-    return base.replace(old, new)
+    return inspections.changed(old, new, base)
 
 
 def with_characteristics(old="", new=""):

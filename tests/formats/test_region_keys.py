@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from inspections import POSE_UNCERTAINTY, WHOLE_PIXELS, sections
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.planning.region import Box, ForbiddenBox, Hemisphere, Standoff
 
-BASE = """\
-camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
-pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
-requirement: {accuracy: 0.99, probability: 0.95}
-candidates:
-"""
+BASE = (
+    sections(camera=WHOLE_PIXELS, pose_uncertainty=POSE_UNCERTAINTY, requirement="{accuracy: 0.99, probability: 0.95}")
+    + "candidates:\n"
+)
 
 
 def read(folder, text):

@@ -2,19 +2,18 @@
 
 import pytest
 
+import inspections
+from inspections import CAMERA_KEYS
 from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 
-POSE_ERROR = """\
-part: {file: part.step}
-camera:
-  focal_length: 16 mm
-  pixel_pitch: 3.45 um
-  resolution: [2448, 2048]
-pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
-requirement:
-"""  # the requirement begins in line 8
+POSE_ERROR = (
+    "part: {file: part.step}\ncamera:\n"
+    + CAMERA_KEYS
+    + f"pose_uncertainty: {inspections.POSE_UNCERTAINTY}\nrequirement:\n"
+)
+# the requirement begins in line 8
 
 CAPABILITY = "  capability:\n    cg: 1.33\n"
 CONFORMANCE = """\
@@ -36,8 +35,7 @@ def read(tmp_path, section):
 
 
 def changed(old, new, base=CONFORMANCE):
-    assert old in base
-    return base.replace(old, new)
+    return inspections.changed(old, new, base)
 
 
 @pytest.mark.parametrize(

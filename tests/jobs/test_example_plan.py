@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import viewgauge as vg
+from inspections import CAMERA, POSE_UNCERTAINTY
 from viewgauge.exceptions import InspectionFileError, NoCandidateError
 from viewgauge.execution.chunks import candidate_grid
 from viewgauge.formats.poses.viewpoints_file import read_viewpoints, write_viewpoints
@@ -31,9 +32,8 @@ pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
 def written(folder: Path, **changes: str) -> Path:
     """The example's inspection file on one line a section, with sections replaced, or added to in case of the part."""
     sections = {
-        "camera": "{focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], "
-        "edge_detector: {quantization: 0.1 px}}",
-        "pose_uncertainty": "{translation: 0.1 mm, rotation: 0.02 deg}",
+        "camera": CAMERA,
+        "pose_uncertainty": POSE_UNCERTAINTY,
         "requirement": "{accuracy: 0.999, probability: 0.95}",
         **changes,
     }
@@ -113,20 +113,21 @@ def test_no_single_candidate_measures_everything(inspection, plan):
     assert not accepted.all(axis=1).any()
 
 
-def test_the_full_camera_confirms_every_probability(inspection, plan):
-    """10^6 draws a characteristic: the plan's probability lies in their 99.9 % interval, widened by 2e-4 either way.
+@pytest.mark.parametrize("draws", [250_000, pytest.param(1_000_000, marks=pytest.mark.study)])
+def test_the_full_camera_confirms_every_probability(inspection, plan, draws):
+    """The plan's probability lies in the 99.9 % interval of the draws, widened by 2e-4 either way.
 
     The widening is the joint model's own error (theory section 5: 1.5e-4 over ordinary set-ups). False alarms: were
-    the model exact, 15 intervals of 99.9 % would all hold with probability 0.985. The widening adds about one standard
-    error (2.2e-4 at p = 0.95, less above) to the 3.3 of the interval: a characteristic then fails with probability
-    3e-5, any of the 15 with less than 5e-4. The seeds are fixed.
+    the model exact, 15 intervals of 99.9 % would all hold with probability 0.985. The widening adds about half a
+    standard error (4.4e-4 at p = 0.95, less above; with 10^6 draws a whole one) to the 3.3 of the interval: a
+    characteristic then fails with probability 2e-4, any of the 15 with less than 3e-3. The seeds are fixed.
     """
     viewpoints = {s.id: s.T_part_camera for s in plan.viewpoints}
     for number, d in enumerate(plan.characteristics):
         start, end = transform(invert(viewpoints[d.viewpoint]), d.measurand)
         tolerance = d.allowed_error_mm / np.linalg.norm(d.measurand[1] - d.measurand[0])
         estimate = estimate_success_probability(
-            start, end, inspection.camera, inspection.pose_error, tolerance, draws=1_000_000, rng=1000 + number
+            start, end, inspection.camera, inspection.pose_error, tolerance, draws=draws, rng=1000 + number
         )
         assert estimate.low - 2e-4 <= d.probability <= estimate.high + 2e-4, (d.id, d.probability, estimate)
 
@@ -180,7 +181,7 @@ def own(name: str, start: str, end: str, more: str = "tolerance: 0.4 mm") -> str
 
 
 def test_two_runs_in_fresh_processes_write_the_same_bytes(tmp_path):
-    path = written(tmp_path, candidates=FEW)
+    path = written(tmp_path, candidates=FEW.replace("directions: 60", "directions: 20"))
     for name, salt in (("a", "1"), ("b", "2")):
         done = subprocess.run(
             [sys.executable, "-m", "viewgauge", "plan", str(path), "-o", name, "--seed", "5"],
@@ -188,7 +189,7 @@ def test_two_runs_in_fresh_processes_write_the_same_bytes(tmp_path):
             env={**os.environ, "PYTHONHASHSEED": salt},
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=600,
             check=False,
         )
         assert done.returncode in (0, 1), done.stderr
@@ -197,6 +198,7 @@ def test_two_runs_in_fresh_processes_write_the_same_bytes(tmp_path):
 
 
 def test_the_seed_is_recorded_and_the_same_seed_gives_the_same_plan(few):
+    few = replace(few, candidates=replace(few.candidates, directions=20))
     first, again = vg.plan(few, seed=8), vg.plan(few, seed=8)
     assert first.seed == 8
     assert describe_plan(first, few) == describe_plan(again, few)

@@ -35,8 +35,11 @@ def leave_trace(shared, item):
     Path(shared.folder, f"{item}.{os.getpid()}.{time.monotonic_ns()}").touch()
 
 
+PATIENCE_S = 120  # processes start and end in a second or two; beside a busy machine not
+
+
 def wait_for(*paths):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while not all(Path(path).exists() for path in paths):
         assert time.monotonic() < deadline, paths
         time.sleep(0.01)
@@ -50,10 +53,16 @@ def hold_item_3(shared, item):
     return item * 10
 
 
+def end_this_process():
+    """Not at once: Dask starts no worker in place of one that ends before its nanny has seen that it is there."""
+    time.sleep(0.5)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def end_own_process(shared, item):
     leave_trace(shared, item)
     if item == 2:
-        os.kill(os.getpid(), signal.SIGKILL)
+        end_this_process()
     return item
 
 
@@ -72,6 +81,14 @@ def begun(folder, item="*"):
 
 @pytest.fixture(scope="module")
 def two_workers():
+    pytest.importorskip("distributed", reason="Dask is not installed")
+    with open_executor(workers=2) as executor:
+        yield executor
+
+
+@pytest.fixture
+def two_to_lose():
+    """Two workers for one test: what is still being replaced when it ends is in nobody's way."""
     pytest.importorskip("distributed", reason="Dask is not installed")
     with open_executor(workers=2) as executor:
         yield executor
@@ -158,14 +175,14 @@ def test_no_more_is_sent_than_the_workers_are_ready_for(two_workers):
 # --- lost workers -----------------------------------------------------------------------------------------------------
 
 
-def test_a_lost_worker_costs_its_chunk_only(two_workers, tmp_path):
+def test_a_lost_worker_costs_its_chunk_only(two_to_lose, tmp_path):
     shared = Shared(np.zeros(1), str(tmp_path))
-    stream = two_workers.run(hold_item_3, shared, list(range(8)))
+    stream = two_to_lose.run(hold_item_3, shared, list(range(8)))
     pairs = [next(stream) for _ in range(7)]
     assert 3 not in dict(pairs)
     (held,) = begun(tmp_path, 3)
     os.kill(int(held.name.split(".")[1]), signal.SIGKILL)
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while len(begun(tmp_path, 3)) < 2:
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -174,33 +191,35 @@ def test_a_lost_worker_costs_its_chunk_only(two_workers, tmp_path):
     assert [len(begun(tmp_path, k)) for k in range(8)] == [1, 1, 1, 2, 1, 1, 1, 1]
 
 
-def test_an_item_that_kills_its_workers_is_named_when_all_others_are_done(two_workers, tmp_path):
+def test_an_item_that_kills_its_workers_is_named_when_all_others_are_done(two_to_lose, tmp_path):
     shared, done = Shared(np.zeros(1), str(tmp_path)), []
     with pytest.raises(ViewgaugeError, match=r"item 2 of 6 \(2\) ended the worker process"):
-        done.extend(index for index, _ in two_workers.run(end_own_process, shared, list(range(6))))
+        done.extend(index for index, _ in two_to_lose.run(end_own_process, shared, list(range(6))))
     assert sorted(done) == [0, 1, 3, 4, 5]
-    np.testing.assert_array_equal(results(two_workers), results(InProcess()))
+    np.testing.assert_array_equal(results(two_to_lose), results(InProcess()))
 
 
 def own_process(_, item):
     return item, os.getpid()
 
 
-def test_a_job_begins_while_a_worker_is_being_lost(two_workers):
+def test_a_job_begins_while_a_worker_is_being_lost(two_to_lose):
     for _ in range(3):
-        os.kill(next(two_workers.run(own_process, None, [0]))[1][1], signal.SIGKILL)  # the scheduler learns of it later
-        np.testing.assert_array_equal(results(two_workers), results(InProcess()))
+        _, (_, process) = next(two_to_lose.run(own_process, None, [0]))
+        time.sleep(0.5)  # as in end_this_process
+        os.kill(process, signal.SIGKILL)  # the scheduler learns of it later
+        np.testing.assert_array_equal(results(two_to_lose), results(InProcess()))
 
 
 def end_own_process_from_1_on(_, item):
     if item > 0:
-        os.kill(os.getpid(), signal.SIGKILL)
+        end_this_process()
     return item
 
 
-def test_where_all_items_kill_their_workers_not_all_are_tried_to_the_end(two_workers):
+def test_where_all_items_kill_their_workers_not_all_are_tried_to_the_end(two_to_lose):
     with pytest.raises(ViewgaugeError, match=r"ended the worker process each time it was tried; so did 2 others"):
-        list(two_workers.run(end_own_process_from_1_on, None, list(range(6))))
+        list(two_to_lose.run(end_own_process_from_1_on, None, list(range(6))))
 
 
 @dataclass(frozen=True)
@@ -214,22 +233,22 @@ class Written:
 def write_chunk(written, chunk):
     leave_trace(written, chunk)
     if chunk == 3 and len(begun(written.folder, 3)) == 1:
-        os.kill(os.getpid(), signal.SIGKILL)
+        end_this_process()
     viewpoints = written.writer.layout.viewpoints(chunk)
     values = np.sin(np.arange(viewpoints.start, viewpoints.stop)[:, None] * np.arange(1, 8))
     written.writer.write(viewpoints.start, {"sine": values, "positive": values > 0}, {"chunk": chunk})
     return chunk
 
 
-def test_workers_write_a_table_and_a_lost_one_leaves_no_trace_in_it(two_workers, tmp_path):
+def test_workers_write_a_table_and_a_lost_one_leaves_no_trace_in_it(two_to_lose, tmp_path):
     pytest.importorskip("zarr")
     from viewgauge.formats.tables.table_store import Column, TableLayout, open_table
 
     columns = (Column("sine"), Column("positive", "flag"))
     layout = TableLayout([f"S{k}" for k in range(50)], [f"d{k}" for k in range(7)], columns, 5)
-    for name, executor in (("here", InProcess()), ("there", two_workers)):
+    for name, executor in (("here", InProcess()), ("there", two_to_lose)):
         (tmp_path / name).mkdir()
-        (tmp_path / name / ("x" if executor is two_workers else "3.0.0")).touch()  # as if begun before: not killed here
+        (tmp_path / name / ("x" if executor is two_to_lose else "3.0.0")).touch()  # as if begun before: not killed here
         with open_table(tmp_path / f"{name}.zarr", layout, "job") as store:
             written = Written(store.writer(), str(tmp_path / name))
             assert sorted(chunk for _, chunk in executor.run(write_chunk, written, range(10))) == list(range(10))
@@ -278,7 +297,7 @@ def assert_ended(processes):
     import psutil
 
     assert processes
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE_S
     while any(psutil.pid_exists(pid) for pid in processes):
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -306,7 +325,7 @@ def test_an_interrupt_from_the_keyboard_ends_all_without_a_word(tmp_path):
     )
     assert job.stdout.readline() == "begun\n"
     os.killpg(job.pid, signal.SIGINT)  # as the terminal does: to the workers too
-    out, err = job.communicate(timeout=20)
+    out, err = job.communicate(timeout=PATIENCE_S)
     assert (job.returncode, out, err) == (0, "interrupted\n", "")
     assert_ends(job.pid)
 
@@ -338,7 +357,7 @@ def test_an_interrupt_inside_dask_is_not_lost():
 
 def assert_ends(group):
     """All processes of a group end within a while."""
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         try:
             os.killpg(group, 0)
@@ -432,7 +451,7 @@ def test_a_worker_that_joins_later_takes_part(tmp_path):
 
 
 def wait_for_trace(folder, item):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE_S
     while not begun(folder, item):
         assert time.monotonic() < deadline
         time.sleep(0.01)

@@ -48,7 +48,7 @@ def alive(pid):
 
 
 def started(path):
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 300
     while not (path.exists() and path.read_text()) and time.monotonic() < deadline:
         time.sleep(0.05)
     return int(path.read_text())

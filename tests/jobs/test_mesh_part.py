@@ -9,51 +9,30 @@ from pathlib import Path
 
 import pytest
 
+from inspections import BOX, HEEL, WIDTH, box_part, entry, sections, write_box
+
 BLOCKED = "import sys; sys.modules['OCP'] = None"  # importing it now raises ModuleNotFoundError
 
-BOX = """part:
-  file: box.stl
-  characteristics:
-    - id: width
-      points: [[0, 0, 40], [80, 0, 40]]
-      unit: mm
-      tolerance: 0.1 mm
-    - id: depth
-      points: [[0, 0, 40], [0, 50, 40]]
-      unit: mm
-      tolerance: 0.1 mm
-      observed: whole
-    - id: rear
-      points: [[0, 50, 40], [80, 50, 40]]
-      unit: mm
-      tolerance: "[-0.1, 0.2] mm"
-    - id: foot
-      points: [[0, 0, 0], [80, 0, 0]]
-      unit: mm
-      tolerance: "[-0.1, 0.2] mm"
-    - id: heel
-      points: [[0, 50, 0], [80, 50, 0]]
-      unit: mm
-      tolerance: "[-0.1, 0.2] mm"
-camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048], edge_detector: {quantization: 0.1 px}}
-pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
-requirement: {accuracy: 0.995, probability: 0.95}
-candidates: {directions: 60, rolls: 2}
-"""
+PART = box_part(
+    WIDTH,
+    entry("depth", "[0, 0, 40]", "[0, 50, 40]", observed="whole"),
+    entry("rear", "[0, 50, 40]", "[80, 50, 40]", "[-0.1, 0.2] mm"),
+    entry("foot", "[0, 0, 0]", "[80, 0, 0]", "[-0.1, 0.2] mm"),
+    HEEL,
+)
+TEXT = sections(**{**BOX, "part": PART, "candidates": "{directions: 60, rolls: 2}"})
 
 
 def run(*arguments: str, cwd: Path, prelude: str = "") -> subprocess.CompletedProcess[str]:
     code = f"{prelude}\nimport sys\nfrom viewgauge.cli import main\nsys.exit(main(sys.argv[1:]))"
     return subprocess.run(
-        [sys.executable, "-c", code, *arguments], cwd=cwd, capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, "-c", code, *arguments], cwd=cwd, capture_output=True, text=True, timeout=600, check=False
     )
 
 
 def test_a_mesh_is_planned_without_the_cad_kernel(tmp_path):
-    import trimesh
-
-    trimesh.creation.box(bounds=[(0, 0, 0), (80, 50, 40)]).export(tmp_path / "box.stl")
-    (tmp_path / "box.yaml").write_text(BOX)
+    write_box(tmp_path)
+    (tmp_path / "box.yaml").write_text(TEXT)
     done = run("plan", "box.yaml", "-o", "out", "--json", cwd=tmp_path, prelude=BLOCKED)
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
@@ -66,7 +45,7 @@ def test_a_mesh_is_planned_without_the_cad_kernel(tmp_path):
 
 def test_a_step_file_without_the_cad_kernel_is_one_message(tmp_path):
     (tmp_path / "box.step").write_text("ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n")
-    (tmp_path / "box.yaml").write_text(BOX)
+    (tmp_path / "box.yaml").write_text(TEXT)
     done = run("check", "box.yaml", "--part", "box.step", cwd=tmp_path, prelude=BLOCKED)
     assert done.returncode == 2
     assert "viewgauge[step]" in done.stderr

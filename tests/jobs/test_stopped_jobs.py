@@ -68,7 +68,7 @@ def killed(arguments, folder, journal, after, only_the_first=False):
     """Start a command, kill it without warning once so many more chunks are noted; how many are noted then."""
     at_start = len(entries(journal))
     with started(arguments, folder) as job:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 300  # imports, beside a busy machine
         while len(entries(journal)) < at_start + after:
             if job.poll() is not None:
                 raise TooEarlyError
@@ -93,7 +93,7 @@ def killed_often(arguments, folder, journal, times, only_the_first):
 
 
 def assert_ends(group):
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120
     while time.monotonic() < deadline:
         try:
             os.killpg(group, 0)
@@ -103,8 +103,9 @@ def assert_ends(group):
     raise AssertionError("processes are left")
 
 
+PLAN = ["plan", "inspection.yaml", "-o", "out", "--no-refine", "--no-prove"]  # what comes after the chunks
 JOBS = {
-    "plan": (["plan", "inspection.yaml", "-o", "out", "--chunk", "4"], "out", "out/.partial"),
+    "plan": ([*PLAN, "--chunk", "4"], "out", "out/.partial"),
     "evaluate": (
         ["evaluate", "inspection.yaml", "--sampled", "-o", "out/t.zarr", "--chunk", "4", "--columns", "probability"],
         "out",
@@ -148,7 +149,8 @@ def test_a_killed_job_goes_on_where_it_was(tmp_path, monkeypatch, capsys, name, 
 
 def test_the_second_pass_of_a_plan_goes_on_too(tmp_path):
     inspection = write_inspection(tmp_path, requirement="{error: 1 nm, probability: 0.95}")
-    whole = plan_bytes(inspection, tmp_path / "whole")
+    options = {"refine": False, "prove": False}  # what comes after both passes
+    whole = plan_bytes(inspection, tmp_path / "whole", **options)
 
     class Stopped(Counting):
         """Gives up in the second pass, after ten chunks."""
@@ -159,7 +161,7 @@ def test_the_second_pass_of_a_plan_goes_on_too(tmp_path):
                     raise KeyboardInterrupt
                 yield pair
 
-    options = {"journal": tmp_path / "notes", "viewpoints_per_chunk": 20}
+    options |= {"journal": tmp_path / "notes", "viewpoints_per_chunk": 20}
     with pytest.raises(KeyboardInterrupt):
         vg.plan(inspection, executor=Stopped(), **options)
     counting = Counting()
@@ -236,14 +238,14 @@ sys.exit(main(sys.argv[1:]))
 def test_a_full_disk_is_a_message(tmp_path, arguments):
     pytest.importorskip("zarr")
     write_inspection(tmp_path)
-    command = ["plan", "inspection.yaml", "-o", "out"] if arguments is None else None
+    command = PLAN if arguments is None else None
     command = command or ["evaluate", "inspection.yaml", "--sampled", *arguments]
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, *command, "--chunk", "20"],
         capture_output=True,
         text=True,
         cwd=tmp_path,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert done.returncode == 2, done.stderr

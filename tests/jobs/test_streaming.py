@@ -254,24 +254,37 @@ def test_the_table_is_that_of_the_equations_written_out(inspection, poses, tmp_p
 # --- the same everywhere: plans ---------------------------------------------------------------------------------------
 
 
-def test_a_plan_is_the_same_wherever_and_in_whatever_pieces_it_is_made(inspection, executors, tmp_path):
-    whole = plan_bytes(inspection, tmp_path / "whole")
+WAYS = ((0, 1), (0, 7), (0, 256), (0, 1000), (1, 7), (2, 256), (3, 64), (2, 1000))
+
+
+@pytest.mark.parametrize(
+    ("refine", "ways"), [(False, WAYS), (True, WAYS[-3:-1]), pytest.param(True, WAYS, marks=pytest.mark.study)]
+)
+def test_a_plan_is_the_same_wherever_and_in_whatever_pieces_it_is_made(inspection, executors, tmp_path, refine, ways):
+    """Refining begins with what the pieces give, in this process."""
+    options = {} if refine else {"refine": False, "prove": False}
+    whole = plan_bytes(inspection, tmp_path / "whole", **options)
     assert sorted(whole) == ["assignments.csv", "plan.json", "report.html", "viewpoints.csv"]
     assert json.loads(whole["plan.json"])["count"] >= 2
-    for workers, chunk in ((0, 1), (0, 7), (0, 256), (0, 1000), (1, 7), (2, 256), (3, 64), (2, 1000)):
+    for workers, chunk in ways:
         folder = tmp_path / f"{workers} {chunk}"
-        again = plan_bytes(inspection, folder, executor=executors[workers], viewpoints_per_chunk=chunk)
+        again = plan_bytes(inspection, folder, executor=executors[workers], viewpoints_per_chunk=chunk, **options)
         assert again == whole, (workers, chunk)
 
 
 @pytest.mark.parametrize("requirement", ["{error: 20 um, probability: 0.95}", "{error: 1 nm, probability: 0.95}"])
-def test_so_are_the_best_of_what_is_not_met(executors, tmp_path, requirement):
+@pytest.mark.parametrize("refine", [False, pytest.param(True, marks=pytest.mark.study)])
+def test_so_are_the_best_of_what_is_not_met(executors, tmp_path, requirement, refine):
+    options = {} if refine else {"refine": False, "prove": False}
     inspection = write_inspection(tmp_path, requirement=requirement)
-    whole = plan_bytes(inspection, tmp_path / "whole")
+    whole = plan_bytes(inspection, tmp_path / "whole", **options)
     assert "not_met" in {d["status"] for d in json.loads(whole["plan.json"])["characteristics"]}
     for workers, chunk in ((0, 7), (2, 50)):
-        folder = tmp_path / f"{workers} {chunk}"
-        assert plan_bytes(inspection, folder, executor=executors[workers], viewpoints_per_chunk=chunk) == whole
+        folder, pieces = (
+            tmp_path / f"{workers} {chunk}",
+            {"executor": executors[workers], "viewpoints_per_chunk": chunk},
+        )
+        assert plan_bytes(inspection, folder, **pieces, **options) == whole
 
 
 @pytest.mark.parametrize(("probability", "not_met"), [(0.99, []), (0.993, ["under"])])

@@ -18,6 +18,10 @@ from viewgauge.simulation.image_sensor import ImageSensor
 pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
 
 BLOCK = Path(__file__).resolve().parents[2] / "examples" / "slotted_block" / "inspection.yaml"
+SIZES = {
+    "small": (4, 12, 24),
+    "large": (8, 15, 40),
+}  # viewpoints, acquisitions of each, and of a characteristic that is judged
 STRAIGHT = ("E1", "E3", "E4", "E2", "E5", "E6", "E7", "E8", "E10", "E12")
 
 
@@ -30,28 +34,42 @@ def inspection():
     return replace(inspection, camera=camera, part=replace(inspection.part, characteristics=characteristics))
 
 
+@pytest.fixture(scope="module", params=["small", pytest.param("large", marks=pytest.mark.study)])
+def size(request):
+    return SIZES[request.param]
+
+
 @pytest.fixture(scope="module")
-def found(inspection):
+def found(inspection, size):
+    sample, acquisitions, _ = size
     sensor = ImageSensor(blur_px=0.6, noise=0.006)
-    return vg.validate(inspection, sample=8, repeats=15, sensor=sensor, edges=("sub-pixel", "whole-pixel"), seed=4)
+    return vg.validate(
+        inspection, sample=sample, repeats=acquisitions, sensor=sensor, edges=("sub-pixel", "whole-pixel"), seed=4
+    )
 
 
-def test_the_law_holds_in_images(found):
-    """120 acquisitions, one characteristic of each: within the 99 % limits of a true law at each level. The seed is
-    fixed.
+def test_the_law_holds_in_images(found, size):
+    """48 acquisitions (120), one characteristic of each: within the 99 % limits of a true law at each level. The seed
+    is fixed.
 
-    Of whole pixels not at 68 %: from eight viewpoints errors are those of few lengths, each with a fraction of its own.
+    Five counts are judged, each outside its limits by chance with a probability of at most 1 %: 5 % in all.
+    Of whole pixels not at 68 %: from few viewpoints errors are those of few lengths, each with a fraction of its own.
     """
     for how, validation in found.items():
-        assert len(validation.drawn) > 100
+        assert len(validation.drawn) > 0.83 * size[0] * size[1]
         levels = validation.coverage() if how == "sub-pixel" else validation.coverage()[1:]
         assert all(coverage.holds for coverage in levels)
 
 
-def test_errors_are_as_large_as_predicted(found):
-    """Of each characteristic that is seen often; a root mean square of 40 is off by 11 % (one sigma)."""
+def test_errors_are_as_large_as_predicted(found, size):
+    """Of each characteristic that is seen often; a root mean square of 24 (40) is off by 14 % (11 %) (one sigma).
+
+    The limits are three sigma away: of ten characteristics one is beyond by chance with a probability of 3 %.
+    """
     ratios = {
-        d["id"]: d["rms_ratio"] for d in describe_validation(found)[0]["characteristics"] if d["acquisitions"] >= 40
+        d["id"]: d["rms_ratio"]
+        for d in describe_validation(found)[0]["characteristics"]
+        if d["acquisitions"] >= size[2]
     }
     assert len(ratios) >= 4
     for name, ratio in ratios.items():
@@ -83,11 +101,13 @@ def test_coverage_counts_and_its_limits():
 def test_the_same_seed_gives_the_same_and_pairs_are_written(inspection, found, tmp_path):
     sensor = ImageSensor(blur_px=0.6, noise=0.006)
     ids = tuple(dict.fromkeys(pair.viewpoint for pair in found["sub-pixel"].pairs))[:1]
-    again = vg.validate(inspection, sample=1, repeats=15, sensor=sensor, seed=4)["sub-pixel"]
+    again = vg.validate(inspection, sample=1, repeats=3, sensor=sensor, seed=4)["sub-pixel"]
     assert {pair.viewpoint for pair in again.pairs} == set(ids)
     first = {p.characteristic: p.errors_px for p in found["sub-pixel"].pairs if p.viewpoint == ids[0]}
     for pair in again.pairs:
-        np.testing.assert_array_equal(pair.errors_px, first[pair.characteristic])
+        np.testing.assert_array_equal(
+            pair.errors_px, first[pair.characteristic][:3], err_msg="whatever is drawn after them"
+        )
     write_validation(found, tmp_path / "pairs.csv")
     with (tmp_path / "pairs.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -91,6 +91,37 @@ def test_of_two_equal_edges_the_nearer_one():
     assert edge.coefficients[0] == pytest.approx(2.0, abs=0.05)
 
 
+def found_of_two(nearer, farther, side, strength):
+    """Where an edge is found beside two: at the nearer place, ``strength`` times the other's step, and at the other."""
+    image = straight(side * nearer, 0.0, 0.6, 0.0, 0.4 * strength) + straight(side * farther, 0.0, 0.6, 0.0, 0.4)
+    finder = EdgeFinder(image, noise=0.001)
+    offset, _ = finder.offsets(np.array([[80.0, 80.0]]), np.array([[0.0, 1.0]]), 8.0)
+    edge = finder.edge(np.array([80.0, 80.0]), direction(0.0), np.arange(-9, 10.0), 8.0)
+    assert edge is not None
+    assert edge.coefficients[0] == pytest.approx(offset[0], abs=0.1)
+    return side * edge.coefficients[0]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("nearer", "farther"), [(-1.0, 6.0), (1.0, -6.0), (0.0, -6.0)])
+def test_of_neighbouring_edges_the_nearer_one_unless_the_other_is_much_stronger(nearer, farther, side):
+    """On either side; "much" is where the nearer has less than 0.6 of the stronger one's step."""
+    for strength in (1.5, 1.0, 0.7, 0.63):
+        assert found_of_two(nearer, farther, side, strength) == pytest.approx(nearer, abs=0.05)
+    for strength in (0.57, 0.4, 0.1):
+        assert found_of_two(nearer, farther, side, strength) == pytest.approx(farther, abs=0.05)
+
+
+def test_a_stronger_edge_beyond_reach_is_not_taken():
+    image = straight(5.0, 0.0, 0.6, 0.0, 0.2) + straight(-6.0, 0.0, 0.6, 0.0, 0.6)
+    finder = EdgeFinder(image, noise=0.001)
+    for reach, expected in ((5.5, 5.0), (8.0, -6.0)):
+        edge = finder.edge(np.array([80.0, 80.0]), direction(0.0), np.arange(-9, 10.0), reach)
+        assert edge is not None
+        assert edge.coefficients[0] == pytest.approx(expected, abs=0.05)
+    assert finder.edge(np.array([80.0, 80.0]), direction(0.0), np.arange(-9, 10.0), 4.0) is None
+
+
 @pytest.mark.parametrize("slopes", [(0.02, 0.0), (0.0, -0.02), (0.015, 0.015)])
 def test_shading_beside_an_edge_does_not_move_it(slopes):
     """A step of 0.5 with ramps of up to 4 % of it a pixel on either side, blurred numerically."""

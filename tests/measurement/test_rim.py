@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -30,10 +32,16 @@ def diameter(angle):
     return RADIUS * np.array([[-np.cos(angle), -np.sin(angle), 0], [np.cos(angle), np.sin(angle), 0]])
 
 
+@lru_cache(maxsize=2)
+def light(T, camera):
+    """What falls on the sensor: the same in every image that only noise tells apart."""
+    return Renderer(PLATE, FAN, rays_per_pixel=89).radiance(np.reshape(T, (4, 4)), camera)
+
+
 def seen(T, angle, camera=CAMERA, noise=0.0, rng=None, hidden=None, guess=None):
     """What the rim gives, and the true length, both mm on the image."""
-    light = Renderer(PLATE, FAN, rays_per_pixel=89).radiance(T, camera)
-    grey = ImageSensor(blur_px=0.6, noise=noise, bits=12).grey(light, rng or np.random.default_rng(0)) / 4095
+    shown = light(tuple(T.ravel()), camera)
+    grey = ImageSensor(blur_px=0.6, noise=noise, bits=12).grey(shown, rng or np.random.default_rng(0)) / 4095
     if hidden is not None:
         grey = np.where(hidden, 0.3, grey)
     expected = invert(T if guess is None else guess)

@@ -5,10 +5,15 @@ import re
 import numpy as np
 import pytest
 from bounded_regions import Shell, characteristic, measurand, probabilities, random_poses
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from viewgauge.evaluation import Requirement, Setup
 from viewgauge.geometry import PoseError
-from viewgauge.planning.bounds import Budget, certify
+from viewgauge.planning.bounds import Budget, Certificate, certify
+from viewgauge.planning.bounds.branch_and_bound import Bound
+from viewgauge.planning.bounds.certificate import _cause, _remains
+from viewgauge.planning.cause import proof_sentence
 from viewgauge.sensors import Camera
 from viewgauge.visibility import ObservationLimits
 
@@ -62,6 +67,7 @@ def test_a_search_cut_short_says_so():
     certificate = certify(ON_TOP, Setup(CAMERA, pose_error, REQUIREMENT, LIMITS), REGION, budget=Budget(boxes=2))
     assert not certificate.proven
     assert certificate.cause.startswith("not decided")
+    assert certificate.cause.endswith("where 0.95 is required")
 
 
 @pytest.mark.parametrize(
@@ -97,3 +103,37 @@ def test_a_characteristic_without_allowed_error_is_refused():
     basic = type(basic)(basic.id, basic.kind, basic.nominal_mm, None, basic.measurands)
     with pytest.raises(ValueError, match="no tolerance"):
         certify(basic, Setup(CAMERA, NO_ERROR, Requirement("fraction_of_tolerance", 0.1, 0.95), LIMITS), REGION)
+
+
+FIGURE = r"(\d\.\d{4})"
+
+
+@given(st.floats(0, 1))
+@example(0.94836)
+@example(0.948301)
+@example(0.9483)
+@example(0.0)
+@example(1e-9)
+@example(1.0)
+def test_what_is_printed_of_an_upper_bound_is_one_too_and_near_it(upper):
+    """Rounded up to four digits wherever a sentence tells it: 0.94836 is at most 0.9484, never 0.9483."""
+    bound = Bound(upper, 0.0, 1, None)
+    sentences = [
+        proof_sentence(Certificate("D", upper, True, "no cause"), 7),
+        _cause(bound, bound, 1.1),  # of the pose error and of the pixels
+        _remains(bound, 0.95),
+    ]
+    reported = [float(words) for sentence in sentences for words in re.findall(f"at most {FIGURE}", sentence)]
+    assert len(reported) == 4
+    assert all(upper - 1e-15 <= said < upper + 1.0001e-4 for said in reported)
+
+
+@given(st.floats(0, 1))
+@example(0.94836)
+@example(0.948399)
+@example(0.9483)
+@example(1.0)
+def test_what_is_printed_of_a_probability_that_a_pose_has_is_reached(found):
+    """Rounded down to four digits: a lower bound of what is possible stays one."""
+    said = float(re.search(f"occlusion apart, {FIGURE}", _remains(Bound(1.0, found, 1, None), 0.0)).group(1))
+    assert found - 1.0001e-4 < said <= found + 1e-15

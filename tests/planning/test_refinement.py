@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -69,8 +69,8 @@ def grid_of_poses(step_mm, tilts, rolls):
     return np.concatenate(made)
 
 
-def refined(characteristics, error_mm, starts, **changes):
-    judge = evaluator(characteristics, error_mm)
+def refined(characteristics, error_mm, starts, judge=None, **changes):
+    judge = judge or evaluator(characteristics, error_mm)
     probability = judge.probabilities(starts)
     pool = ViewpointPool(starts, probability)
     middle = np.array([(d.measurands[0].start + d.measurands[0].end) / 2 for d in characteristics])
@@ -135,6 +135,40 @@ def test_a_characteristic_that_no_candidate_meets_is_searched_for():
     assert len(before) == 0
     assert reported.reached == (0,)
     assert chosen.best()[0] >= REQUIRED
+
+
+@dataclass(frozen=True)
+class Doubtful:
+    """An evaluator whose model warns of all that stands near a place."""
+
+    judge: Evaluator
+    place: np.ndarray
+    radius_mm: float = 15.0
+
+    def near(self, poses):
+        return np.linalg.norm(poses[:, :3, 3] - self.place, axis=1) < self.radius_mm
+
+    def of(self, characteristics):
+        return replace(self, judge=self.judge.of(characteristics))
+
+    def probabilities(self, poses):
+        return self.judge.probabilities(poses)
+
+    def table(self, poses):
+        table = self.judge.table(poses)
+        return replace(table, validity=np.where(self.near(poses)[:, None], 3, table.validity).astype(np.int8))
+
+
+def test_what_the_model_warns_of_is_not_taken_however_sure_it_acquisitions():
+    """The best viewpoint without warnings; then the model does not answer for what stands within 15 mm of it."""
+    _, free, _, _, judge = refined(NEAR, 0.035, FEW)
+    assert len(free) == 1
+    doubtful = Doubtful(judge, free.T_part_camera[0, :3, 3])
+    assert not doubtful.near(FEW).any()
+    _, chosen, _, _, _ = refined(NEAR, 0.035, FEW, judge=doubtful)
+    assert set(chosen.reached(REQUIRED)) == {0, 1}
+    assert not doubtful.near(chosen.T_part_camera).any()
+    assert chosen.weakest(REQUIRED) < free.weakest(REQUIRED)
 
 
 def test_the_same_seed_gives_the_same_viewpoints():

@@ -72,13 +72,13 @@ def test_limits_are_rounded_to_the_side_that_keeps_them():
     assert page.row("E1") == ["E1", "0.9700", "≤ 0.1487", "any", "191.3 to 593.5", "≥ 10.72"]
     assert page.row("E2") == ["E2", "0.5100", "≤ 0.05", "(0.6123)", "–", "≤ 32"]
     assert page.row("The part")[2] == "≤ 0.05"
-    assert "1 of 2 dimensions are met today" in page.text
-    assert "E3: they are not seen" in page.text
+    assert "1 of 2 characteristics are met today" in page.text
+    assert "No viewpoint that was tried sees E3:" in page.text
 
 
 def test_the_picture_holds_the_trade_off_and_today():
     line, today = json.loads(Page(rendered("improve")).scripts[0])["data"]
-    assert (line["x"], line["y"]) == ([0.05], [1.2]), "what no head does has no point"
+    assert (line["x"], line["y"]) == ([0.05], [1.2]), "what no pose uncertainty does has no point"
     assert (today["x"], today["y"]) == ([0.1], [1.0])
 
 
@@ -86,12 +86,12 @@ def test_without_a_trade_off_there_is_no_picture():
     bare = Improvement({"pose_error": 1.0}, (), {}, (), (), (), 1)
     page = Page(render_improvement(bare, REQUIREMENT, title="block", inputs={}))
     assert json.loads(page.scripts[0]) is None
-    assert "Pixels against head" not in page.text
+    assert "against pose uncertainty" not in page.text
 
 
 def test_cameras_have_rows_and_points():
     page = Page(rendered("specify"))
-    assert "Fewest pixels with the head of today: big, 16 mm" in page.text
+    assert "Fewest pixels with today's pose uncertainty: big, 16 mm" in page.text
     rows = [row for row in page.rows if row and row[0] == "small"]
     assert rows[0] == ["small", "6.9", "16", "200 to 300", "1 of 2", "0.4567", "0.04567", "–", "0.03"]
     assert rows[1][5:] == ["–"] * 4

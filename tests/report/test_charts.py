@@ -69,7 +69,7 @@ def test_densities_have_an_area_of_one(laws):
 def test_a_law_without_an_error_is_left_out():
     still = vg.PoseError(np.zeros((6, 6)))
     chart = laws_chart("E1", MeasurandLaws.of_acquisition(POINTS, CAMERA, still), 0.05)
-    assert "pose of the head" not in {curve["name"] for curve in chart["data"]}
+    assert "camera pose" not in {curve["name"] for curve in chart["data"]}
 
 
 def test_the_accuracy_chart_marks_what_is_reached(laws):
@@ -190,9 +190,9 @@ def test_words_can_be_read(theme, ink):
 
 
 def test_the_report_has_the_same_inks():
-    from viewgauge.report.page.report_page.report_page import resource
+    from viewgauge.report.templating import verbatim
 
-    css = resource("page.css")
+    css = verbatim("page.css")
     light, dark = css.split("@media (prefers-color-scheme: dark)", 1)
     for part, colour in SOURCE_COLOURS.items():
         assert f".part-{part} {{ background: {colour}; }}" in css

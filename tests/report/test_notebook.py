@@ -44,7 +44,7 @@ def test_a_plan_shows_its_measurands_and_cameras(plan):
 
 def test_a_plan_in_words(plan):
     html = plan._repr_html_()
-    assert "Not met: 1 of 2 dimensions, from 1 viewpoint" in html
+    assert "Not met: 1 of 2 characteristics, from 1 viewpoint" in html
     assert html.index("&lt;poor&gt;") < html.index(">good<")  # what is missing first, and escaped
     assert "0.9700" in html
     assert "<poor>" not in html

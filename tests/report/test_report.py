@@ -174,7 +174,7 @@ def test_all_met_and_proven_is_said() -> None:
     plan = make_plan()
     met = dataclasses.replace(plan, characteristics=plan.characteristics[:3], lower_bound=2)
     text = Page(report(met)).text
-    assert "✓ All 3 dimensions are met" in text
+    assert "✓ All 3 characteristics are met" in text
     assert "proven the fewest among the candidates" in text
 
 

@@ -3,11 +3,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
-from viewgauge.report.wording import length, probability, requirement_text, tolerance
+from viewgauge.report.wording import length, probability, requirement_text, rounded, tolerance
 
 
 @pytest.mark.parametrize(
@@ -35,6 +35,30 @@ def test_probability_never_promises_more_than_is_reached(value: float) -> None:
     else:
         # a value within 1e-10 of a step of the fourth digit is taken to be on it
         assert float(printed.removeprefix("> ")) <= value + 1e-10
+
+
+@pytest.mark.parametrize(
+    ("value", "down", "up"),
+    [
+        (0.94836, "0.9483", "0.9484"),
+        (0.9483, "0.9483", "0.9483"),
+        (0.012345, "0.01234", "0.01235"),
+        (123.456, "123.4", "123.5"),
+        (0.0, "0", "0"),
+    ],
+)
+def test_a_limit_is_rounded_to_the_side_on_which_it_holds(value: float, down: str, up: str) -> None:
+    assert (rounded(value), rounded(value, up=True)) == (down, up)
+
+
+@given(st.floats(1e-6, 1e6))
+@example(0.94836)
+@example(9999.9)
+def test_a_limit_that_is_printed_is_kept(value: float) -> None:
+    """A billionth of the last digit apart, which a value on a digit may be off by."""
+    off = 1e-12 * value
+    assert value * (1 - 1e-3) - off <= float(rounded(value)) <= value + off
+    assert value - off <= float(rounded(value, up=True)) <= value * (1 + 1e-3) + off
 
 
 @pytest.mark.parametrize(

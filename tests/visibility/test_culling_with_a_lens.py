@@ -40,3 +40,27 @@ def test_a_measurand_is_out_of_view_where_a_pixel_of_its_ends_is(lens):
     assert 0.05 < inside[front].mean() < 0.95
     pinhole = Culling(measurands, PINHOLE, limits).reasons(view_block(poses), len(poses))[:, : len(poses)]
     assert (pinhole != reason).any(), "the lens matters"
+
+
+def around(camera, inset_px):
+    """``(n, 2)`` px: places all around the image, so far within its edges."""
+    (columns, rows), along = camera.resolution, np.linspace(0, 1, 101)
+    u, v = (inset_px + along * (size - 2 * inset_px) for size in (columns, rows))
+    sides = [(u, u * 0 + w) for w in (inset_px, rows - inset_px)] + [
+        (v * 0 + w, v) for w in (inset_px, columns - inset_px)
+    ]
+    return np.concatenate([np.stack(side, axis=1) for side in sides]) - 0.5
+
+
+@pytest.mark.parametrize("lens", [*LENSES.values(), Lens("radial-tangential", (-0.1, 0.02, 4e-3, -3e-3))])
+@pytest.mark.parametrize(("inset_px", "reason"), [(0.25, ""), (-0.25, "out_of_view")])
+def test_what_the_lens_shows_ends_where_the_image_does(lens, inset_px, reason):
+    """A quarter of a pixel within an edge of the image a point is in view, as much beyond it is not; all around."""
+    camera, limits = replace(PINHOLE, lens=lens), ObservationLimits(0, 0, 0)
+    rays = camera.from_pixels(around(camera, inset_px)) / camera.focal_length_mm
+    ends = np.tile([0.0, 0.0, 100.0], (len(rays), 2, 1))  # the other one in the middle of the image
+    ends[:, 1, :2] = 100 * rays
+    normals, each = np.tile([0.0, 0.0, -1.0], (len(rays), 2, 1, 1)), np.arange(len(rays))
+    measurands = MeasurandTable(ends, normals, np.zeros(len(rays), bool), each, each)
+    found = Culling(measurands, camera, limits).reasons(view_block(np.eye(4)[None]), 1)[:, 0]
+    assert {REASONS[code] for code in found} == {reason}

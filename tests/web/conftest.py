@@ -66,6 +66,7 @@ def browser():
         if os.environ.get("CI"):
             pytest.fail("CI has to install a browser: scripts/setup.sh")
         pytest.skip("no Chromium or Chrome on this machine: the pages are not looked at")
+    playwright.expect.set_options(timeout=60_000)  # of every wait for what a page shows: the machine may be busy
     with playwright.sync_playwright() as driver:
         running = driver.chromium.launch(executable_path=path, args=list(WITHOUT_GPU))
         yield running

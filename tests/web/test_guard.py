@@ -35,7 +35,7 @@ def open_to_all():
 
 
 def get(server, path="/", **headers):
-    connection = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=60)
     connection.request("GET", path, headers={key.replace("_", "-"): value for key, value in headers.items()})
     response = connection.getresponse()
     body = response.read()
@@ -48,7 +48,7 @@ def socket_status(server, **headers):
     port = server.get_port()
     origin = headers.pop("Origin", f"http://127.0.0.1:{port}")
     try:
-        with connect(f"ws://127.0.0.1:{port}/", origin=origin, additional_headers=headers, open_timeout=10, proxy=None):
+        with connect(f"ws://127.0.0.1:{port}/", origin=origin, additional_headers=headers, open_timeout=60, proxy=None):
             return None
     except InvalidStatus as refused:
         return refused.response.status_code

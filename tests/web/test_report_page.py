@@ -36,14 +36,14 @@ def page(browser, report):
 
 
 def test_rows_are_found_by_words_and_status(page, plan):
-    rows = page.edge_detector("#characteristic-table tbody tr")
+    rows = page.locator("#characteristic-table tbody tr")
     total = len(plan.characteristics)
-    reported = page.edge_detector("form.filter output")
+    reported = page.locator("form.filter output")
     expect(reported).to_have_text(f"{total} characteristics")
     page.get_by_label("Find").fill("diameter")
     diameters = [d for d in plan.characteristics if d.kind == "diameter"]
     expect(reported).to_have_text(f"{len(diameters)} of {total} characteristics")
-    assert rows.edge_detector("visible=true").count() == len(diameters)
+    assert rows.locator("visible=true").count() == len(diameters)
     page.get_by_label("Find").fill("")
     page.get_by_label("Show").select_option("met")
     met = sum(d.status == "met" for d in plan.characteristics)
@@ -53,25 +53,25 @@ def test_rows_are_found_by_words_and_status(page, plan):
 
 
 def test_laws_are_drawn_when_they_are_opened(page, plan):
-    assert page.edge_detector("#law-0-0 .main-svg").count() == 0
-    page.edge_detector("details.law summary").first.press("Enter")
+    assert page.locator("#law-0-0 .main-svg").count() == 0
+    page.locator("details.law summary").first.press("Enter")
     weakest = min(plan.characteristics, key=lambda d: (d.status == "met", d.probability))
-    expect(page.edge_detector("#law-0-0 .gtitle")).to_have_text(re.compile(f"Error of {re.escape(weakest.id)}"))
-    expect(page.edge_detector("#law-0-1 .gtitle")).to_be_attached()
+    expect(page.locator("#law-0-0 .gtitle")).to_have_text(re.compile(f"Error of {re.escape(weakest.id)}"))
+    expect(page.locator("#law-0-1 .gtitle")).to_be_attached()
 
 
 def test_sections_are_reached_from_the_top(page):
     page.get_by_role("navigation").get_by_role("link", name="Error budget").click()
-    expect(page.edge_detector("#budget")).to_be_in_viewport()
+    expect(page.locator("#budget")).to_be_in_viewport()
 
 
 def test_it_is_dark_where_the_browser_is_and_light_when_printed(page):
     page.emulate_media(color_scheme="dark")
-    expect(page.edge_detector("body")).to_have_css("background-color", "rgb(18, 24, 31)")
+    expect(page.locator("body")).to_have_css("background-color", "rgb(18, 24, 31)")
     page.emulate_media(color_scheme="dark", media="print")
-    expect(page.edge_detector("body")).to_have_css("background-color", "rgb(255, 255, 255)")
+    expect(page.locator("body")).to_have_css("background-color", "rgb(255, 255, 255)")
     expect(page.get_by_role("navigation", include_hidden=True)).to_be_hidden()
-    assert page.edge_detector("details.law:not([open])").first.is_hidden()
+    assert page.locator("details.law:not([open])").first.is_hidden()
     pdf = page.pdf(format="A4")
     page.emulate_media(color_scheme="light", media="screen")
     assert pdf.startswith(b"%PDF")

@@ -1,4 +1,4 @@
-"""The command ``viewgauge``: plan, evaluate, check."""
+"""The command ``viewgauge``: one file for each command or group of commands, and what they print."""
 
 from .app import main
 

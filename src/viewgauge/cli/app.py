@@ -26,7 +26,7 @@ from .characterize import characterize
 from .first_run import report_compiling
 from .images import measure, simulate, validate
 from .improve import improve, specify
-from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Workers, whole_number
+from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Seed, Workers
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
 from .progress import Bars
@@ -64,7 +64,7 @@ def _plan(
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     part: PartFile = None,
-    seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
+    seed: Seed = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
     chunk: Chunk = _VIEWPOINTS_PER_CHUNK,
@@ -76,25 +76,23 @@ def _plan(
 ) -> int:
     """Choose the fewest viewpoints that measure every characteristic as required.
 
-    A long job that was stopped goes on where it was when it is started again. Ctrl-C while viewpoints are chosen or
-    refined ends that step: the plan is the best so far.
+    A long job that was stopped goes on where it was when it is started again.
+    Ctrl-C while viewpoints are chosen or refined ends that step: the plan is the best so far.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     output
-        Folder for plan.json, viewpoints.csv, assignments.csv and report.html.
-    seed
-        In place of the file's own; the same seed gives the same plan.
+        Write plan.json, viewpoints.csv, assignments.csv and report.html to this folder.
     refine
-        Improve the viewpoints over all poses that the region allows; --no-refine for the best of the candidates.
+        Improve the viewpoints over all poses that the region allows; --no-refine takes the best of the candidates.
     prove
         Bound the number of viewpoints, and what is not met, over all poses that the region allows.
     time_limit
-        Seconds for the search for the fewest viewpoints, for that for the most probable, and for the refinement, each.
+        Spend at most this many seconds on each search: for the fewest, the most probable and better viewpoints.
     gap
-        End the search for the fewest when the lower bound is within this share of their number.
+        End the search for the fewest viewpoints when the lower bound is within this share of their number.
     """
     from ..jobs.write import describe_plan, output_folder
 
@@ -149,20 +147,19 @@ def _evaluate(
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     viewpoints
-        Viewpoints file (CSV) with id, x, y, z, qw, qx, qy, qz; by default the one that the inspection file names.
+        Read viewpoints (id, x, y, z, qw, qx, qy, qz) from this CSV file; by default from the inspection file's.
     output
-        The table: .csv, .parquet or .zarr.
+        Write the table to this file: .csv, .parquet or .zarr.
     method
-        The error model: joint (both ends of a characteristic share the pose error), independent (the 1998 paper's),
-        or monte-carlo (the full camera model).
+        Use the joint error model, the independent one of the 1998 paper, or the full camera model (monte-carlo).
     precision
-        With monte-carlo: half-width of the 99 % confidence interval of each probability.
+        With monte-carlo, sample until the 99 % confidence interval of each probability has this half-width.
     sampled
         Evaluate the candidates that a plan would sample, in place of given viewpoints.
     columns
-        Columns to write, separated by commas; by default all.
+        Write these columns, separated by commas; by default all.
     """
     from ..jobs.write import output_folder, require_table_name
 
@@ -198,12 +195,12 @@ def _evaluate(
 
 @app.command(name="check")
 def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
-    """Validate the inputs and say what was read.
+    """Validate the inputs and report what was read.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     """
 
     with Bars().stage("Reading the inspection and its part"):

@@ -1,4 +1,4 @@
-"""The command that tells a camera's calibration and writes it for other programs."""
+"""The command that shows a camera's calibration and writes it for other programs."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ def camera(
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     json: Json = False,
 ) -> int:
-    """Tell what a camera's calibration says, and write it for OpenCV.
+    """Show a camera's calibration, and write it for OpenCV.
 
     Parameters
     ----------
     file
-        OpenCV YAML, ROS camera_info, Kalibr camchain, or an inspection file.
+        Read this OpenCV YAML, ROS camera_info, Kalibr camchain or inspection file.
     name
-        Which camera of a file that has several, such as cam1.
+        Take the camera of this name, such as cam1, from a file that has several.
     output
-        The calibration as OpenCV's YAML, every digit kept.
+        Write the calibration to this file as OpenCV's YAML, every digit kept.
     """
     from ..jobs.calibration import describe_calibration, read_calibration, write_opencv_camera
 
@@ -50,16 +50,18 @@ def camera(
 def _print_calibration(document: dict[str, Any]) -> None:
     size = document["resolution"]
     print(f"{document['format']}: " + ("size not stated" if size is None else f"{size[0]} x {size[1]} px"))
-    sure = document["standard_uncertainty"] or {}
+    uncertainty = document["standard_uncertainty"] or {}
     pairs = zip(("fx", "fy", "cx", "cy"), [*document["focal_length_px"], *document["principal_point_px"]], strict=True)
     for name, value in pairs:
-        print(f"  {name}  {value:.3f}{f' ± {sure[name]:.3f}' if sure else ''} px")
+        print(f"  {name}  {value:.3f}{f' ± {uncertainty[name]:.3f}' if uncertainty else ''} px")
     if document["distortion_model"] is None:
         print("  no distortion")
     else:
         corner = document["distortion_at_corner_px"]
-        most = "" if corner is None else f", {corner:.1f} px at the corner it moves most"
+        most = "" if corner is None else f", {corner:.1f} px at the corner that it moves most"
         print(f"  {document['distortion_model']}{most}")
         for name, value in document["distortion"].items():
-            print(f"  {name}  {value:.6g}{f' ± {sure[name]:.2g}' if sure else ''}")
-    print("  standard uncertainties: " + ("after the ±" if sure else "not stated; the calibration counts as exact"))
+            print(f"  {name}  {value:.6g}{f' ± {uncertainty[name]:.2g}' if uncertainty else ''}")
+    print(
+        "  standard uncertainties: " + ("after the ±" if uncertainty else "not stated; the calibration counts as exact")
+    )

@@ -1,4 +1,4 @@
-"""The command that says how well a head holds its pose, from measurements of it."""
+"""The command that estimates the pose uncertainty from measurements of poses."""
 
 from __future__ import annotations
 
@@ -25,20 +25,19 @@ def characterize(
     with_mean: Annotated[bool, Parameter(negative="")] = False,
     json: Json = False,
 ) -> int:
-    """Say how well a head holds its pose, and write the covariance file that a plan reads.
+    """Estimate the pose uncertainty from measurements, and write the covariance file that a plan reads.
 
     Parameters
     ----------
     samples
-        CSV of poses commanded and measured, of repeated visits, or of errors; YAML of joints and measured poses, or of
-        images of a ChArUco board and robot poses.
+        Read this CSV of commanded and measured poses, visits or errors, or this YAML of joints or board images.
     output
-        The covariance file (YAML), for pose_uncertainty.covariance of an inspection file.
+        Write the covariance to this file (YAML), for pose_uncertainty.covariance of an inspection file.
     camera
-        The camera that images of a board gave, with its uncertainty, for camera.calibration of an inspection file
-        (OpenCV's YAML).
+        Write the camera that images of a board gave to this file (OpenCV's YAML), with its uncertainty, for
+        camera.calibration of an inspection file.
     with_mean
-        The systematic part is not calibrated away: count it with the rest.
+        Count the systematic part with the rest, because it is not calibrated away.
     """
     from ..jobs.characterize import characterize, describe_characterization, write_calibration, write_covariance_of
 
@@ -93,9 +92,11 @@ def _print_character(document: dict[str, Any]) -> None:
 def _print_board(board: dict[str, Any]) -> None:
     (fx, _, cx), (_, fy, cy), _ = board["camera_matrix_px"]
     print(f"  camera: fx {fx:.1f}, fy {fy:.1f}, cx {cx:.1f}, cy {cy:.1f} px; corners left {board['rms_px']:.2f} px rms")
-    sure = board["standard_uncertainty"]
+    uncertainty = board["standard_uncertainty"]
     print(
-        "  standard uncertainty: " + ", ".join(f"{name} {sure[name]:.2g}" for name in ("fx", "fy", "cx", "cy")) + " px"
+        "  standard uncertainty: "
+        + ", ".join(f"{name} {uncertainty[name]:.2g}" for name in ("fx", "fy", "cx", "cy"))
+        + " px"
     )
     if board["pivot"]:
         position = ", ".join(f"{value:.3f}" for value in board["pivot"]["position_mm"])

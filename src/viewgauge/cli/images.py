@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 import viewgauge as vg
 
-from .options import DONE, NOT_MET, Json, PartFile, Workers, count, whole_number
+from .options import DONE, NOT_MET, Json, PartFile, Seed, Workers, count, whole_number
 from .output import print_json
 from .progress import Bars
 
@@ -34,38 +34,38 @@ def simulate(
     rays: Annotated[int, Parameter(converter=whole_number)] = 34,
     only: str | None = None,
     chord_error: float | None = None,
-    seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
+    seed: Seed = None,
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Make images of the part from viewpoints that the head does not quite reach.
+    """Render images of the part from the viewpoints, each displaced by a drawn pose error.
 
     A simulation that was stopped goes on when the same command is given again.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     output
-        Folder for the images, acquisitions.csv (where the camera really stood) and simulation.json.
+        Write the images, acquisitions.csv (the true poses of the camera) and simulation.json to this folder.
     viewpoints
-        Viewpoints file (CSV), such as a plan's; by default the one that the inspection file names.
+        Read viewpoints from this CSV file, such as a plan's; by default from the inspection file's.
     repeats
-        Images of each viewpoint, each with errors of its own.
+        Render this many images of each viewpoint, each with errors of its own.
     blur
-        Standard deviation of the lens's blur, px.
+        Blur the image by a Gaussian of this standard deviation, px.
     noise
-        Standard deviation of a pixel's noise, as a share of full scale.
+        Add noise of this standard deviation to each pixel, as a share of full scale.
     bits
-        8 or 12.
+        Write pixels of 8 or of 12 bits.
     black_and_white
-        A pixel is on when the part covers more than half of it; no blur, no noise.
+        Switch a pixel on when the part covers more than half of it, without blur and noise.
     rays
-        Rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
+        Cast this many rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
     only
-        Ids of characteristics, with commas between: only what is looked at to measure them is rendered.
+        Render only what is needed to measure the characteristics of these ids, separated by commas.
     chord_error
-        How far the mesh may be from curved faces, mm; finer makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
     """
     from ..jobs.write import output_folder
 
@@ -110,15 +110,15 @@ def measure(
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     plan
-        Folder of the plan.
+        Read the plan from this folder.
     images
-        Folder of the images, SETTING.png or VIEWPOINT_NUMBER.png, as the camera gives them.
+        Read the images, VIEWPOINT.png or VIEWPOINT_NUMBER.png as the camera gives them, from this folder.
     output
-        Folder for measurements.csv and pictures of what was found.
+        Write measurements.csv and pictures of what was found to this folder.
     edges
-        whole-pixel puts each end to the nearest corner of pixels, as the 1998 paper's edge detector does.
+        Locate edges to sub-pixel, or at the nearest corner of pixels (whole-pixel) as the 1998 paper does.
     """
     from ..jobs.write import output_folder
 
@@ -150,39 +150,40 @@ def validate(
     rays: Annotated[int, Parameter(converter=whole_number)] = 34,
     chord_error: float | None = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
-    seed: Annotated[int | None, Parameter(converter=whole_number)] = None,
+    seed: Seed = None,
     workers: Workers = None,
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Hold the predicted law of the error against simulated images: displaced, rendered, measured.
+    """Compare the predicted distribution of the error with errors measured in simulated images.
 
-    Exit code 0 if the shares of errors inside the 68, 95 and 99 % intervals are those of a true law, 1 if not.
+    Exit code 0 if the shares of errors inside the 68, 95 and 99 % intervals are as predicted, 1
+    if not.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     viewpoints
-        Viewpoints file (CSV), such as a plan's; by default those that the inspection file names, or candidates.
+        Read viewpoints from this CSV file, such as a plan's; by default the inspection file's, or candidates.
     sample
-        Candidates to draw, where no viewpoints are given.
+        Draw this many candidates where no viewpoints are given.
     repeats
-        Of each viewpoint, each with errors of its own.
+        Simulate this many images of each viewpoint, each with errors of its own.
     edges
-        How edges are found.
+        Locate edges to sub-pixel, to whole pixels, or both ways.
     blur
-        Standard deviation of the lens's blur, px.
+        Blur the image by a Gaussian of this standard deviation, px.
     noise
-        Standard deviation of a pixel's noise, as a share of full scale.
+        Add noise of this standard deviation to each pixel, as a share of full scale.
     bits
-        8 or 12.
+        Write pixels of 8 or of 12 bits.
     rays
-        Rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
+        Cast this many rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
     chord_error
-        How far the mesh may be from curved faces, mm; finer makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
     output
-        CSV of all pairs of viewpoints and characteristics.
+        Write all pairs of viewpoints and characteristics to this file (CSV).
     """
     from ..jobs.images.validation_tables import describe_validation, write_validation
 
@@ -226,7 +227,9 @@ def _print_validation(document: dict[str, Any]) -> None:
         share = level["inside"] / level["acquisitions"] if level["acquisitions"] else float("nan")
         limits = " to ".join(f"{100 * level[name] / max(level['acquisitions'], 1):.1f}" for name in ("low", "high"))
         reported = "" if level["holds"] else "  NOT as predicted"
-        print(f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % if true){reported}")
+        print(
+            f"  inside the {100 * level['level']:.0f} % interval: {100 * share:.1f} % ({limits} % expected){reported}"
+        )
     if document["characteristics"]:
         print("  characteristic  acquisitions  measured/predicted  inside 68, 95, 99 %")
     for row in document["characteristics"]:
@@ -247,7 +250,7 @@ def _print_validation(document: dict[str, Any]) -> None:
 
 
 def _print_measured(rows: Sequence[Any]) -> None:
-    """Of a few images each characteristic, of many how often each verdict."""
+    """For each characteristic the mean, the largest expanded uncertainty, and how often each verdict was given."""
     images = len({row.image for row in rows})
     print(f"{len(rows)} measurements in {'1 image' if images == 1 else f'{images} images'}")
     for name in dict.fromkeys(row.characteristic for row in rows):
@@ -256,7 +259,7 @@ def _print_measured(rows: Sequence[Any]) -> None:
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(r.verdict for r in mine).items())
         reported = f"{sum(values) / len(values):.4f}" if values else "-"
         largest = max((r.expanded_uncertainty_mm for r in mine if r.expanded_uncertainty_mm is not None), default=None)
-        sure = "" if largest is None else f" ± {largest:.4f}"
-        print(f"  {name}: {reported}{sure} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
+        uncertainty = "" if largest is None else f" ± {largest:.4f}"
+        print(f"  {name}: {reported}{uncertainty} mm (nominal {mine[0].nominal_mm:g}); {verdicts}")
         for reason in dict.fromkeys(row.reason for row in mine if row.reason):
             print(f"    not measured: {reason}")

@@ -1,4 +1,4 @@
-"""The commands that ask the other way round: what to improve, and which camera and head to buy."""
+"""The commands that ask the other way round: what to improve, and which camera and pose uncertainty the part needs."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ def improve(
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Say what to improve: the least change of pixels, head, lens or distance that meets the requirement.
+    """Report how much each error source must shrink for every characteristic to be met.
 
-    One thing changes at a time, all else stays as it is; where a characteristic is met, the answer is how far it may
-    go.
+    One of pixels, pose uncertainty, lens and distance changes at a time, and all else stays as it is. Where a
+    characteristic is met, the answer is how far it may change.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     output
-        File for the answers: .json, or .html to look at.
+        Write the answers to this file: .json, or .html to look at.
     """
 
     document = _answered(file, part, output, "improve")
@@ -59,17 +59,17 @@ def specify(
     part: PartFile = None,
     json: Json = False,
 ) -> int:
-    """Say which camera and lens measure the part, and how good the head must be with each.
+    """Report which cameras and lenses measure the part, and the largest pose uncertainty that each allows.
 
-    Sensor formats and focal lengths are usual ones. The edge detector's step in pixels, the head's covariance up to a
-    factor, the requirement, and the distances, if stated, are the file's.
+    Sensor formats and focal lengths are usual ones. The inspection file gives the edge detector's step in pixels, the
+    covariance of the pose up to a factor, the requirement, and the distances if it states some.
 
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     output
-        File for the answers: .json, or .html to look at.
+        Write the answers to this file: .json, or .html to look at.
     """
 
     document = _answered(file, part, output, "specify")
@@ -116,7 +116,7 @@ def _print_improvement(document: dict[str, Any]) -> None:
         f"{met} of {len(characteristics)} characteristics are met today; {document['viewpoints_tried']} "
         "viewpoints tried"
     )
-    print("the least change of one thing alone that meets a characteristic, or how far it may go where it is met:")
+    print("the value of each thing alone with which a characteristic is met, or up to which it stays met:")
     rows = [["characteristic", "today", *(name.replace("_", " ") for name in knobs)]]
     rows.append(["", "", *(knob["unit"] for knob in knobs.values())])
     rows.append(["today", "", *(_number(knob["today"]) for knob in knobs.values())])
@@ -129,16 +129,16 @@ def _print_improvement(document: dict[str, Any]) -> None:
         rows.append(["  limited by", "", *(_names(part["changes"][name]["limited_by"]) for name in knobs)])
     _print_table(rows)
     if part["left_out"]:
-        print(f"no camera or head error is in the way of {', '.join(part['left_out'])}; see viewgauge plan")
+        print(f"not seen from any viewpoint that was tried: {', '.join(part['left_out'])}; viewgauge plan says why")
     for entry in document["not_measurable"]:
         print(f"  not measurable  {entry['id']}: {entry['reason']}")
     if document["trade_off"]:
-        print("pixels against head, for the part: with this step of the edge detector, at most this head")
-        rows = [["pixel", "pose_error", "translation", "rotation"], ["px", "of today", "mm", "deg"]]
+        print("edge detector against pose uncertainty, for the part: with this step, at most this pose uncertainty")
+        rows = [["step", "pose uncertainty", "translation", "rotation"], ["px", "of today's", "mm", "deg"]]
         for trade in document["trade_off"]:
             pose_error = trade["pose_error_factor"]
             values = [pose_error, trade["translation_mm"], trade["rotation_deg"]]
-            reported = ["none will do", "", ""] if pose_error is None else [_number(value) for value in values]
+            reported = ["none is enough", "", ""] if pose_error is None else [_number(value) for value in values]
             rows.append([_number(trade["pixel_px"]), *reported])
         _print_table(rows)
     _print_unverified([c for d in characteristics for c in d["changes"].values()] + document["trade_off"])
@@ -147,26 +147,40 @@ def _print_improvement(document: dict[str, Any]) -> None:
 def _print_specification(document: dict[str, Any]) -> None:
     total = document["characteristics"]
     print(
-        "of each sensor the lens that allows the worst head; and with the head of today what is met, and the coarsest"
+        "for each sensor the lens that allows the largest pose uncertainty, what is met with today's, and the coarsest"
     )
-    print("edge detector with which all is:")
-    rows = [["sensor", "pixel", "lens", "distance", "met", "pose_error", "translation", "rotation", "or edge detector"]]
-    rows.append(["", "µm", "mm", "mm", "", "of today", "mm", "deg", "px"])
+    print("edge detector with which everything is met:")
+    rows = [
+        [
+            "sensor",
+            "pixel",
+            "lens",
+            "distance",
+            "met",
+            "pose uncertainty",
+            "translation",
+            "rotation",
+            "or edge detector",
+        ]
+    ]
+    rows.append(["", "µm", "mm", "mm", "", "of today's", "mm", "deg", "px"])
     for choice in document["best"]:
         near, far = choice["distance_mm"]
         pose_error = [choice[name] for name in ("pose_error_factor", "translation_mm", "rotation_deg")]
         reported = (
-            ["none will do", "", ""] if pose_error[0] is None else ["" if v is None else _number(v) for v in pose_error]
+            ["none is enough", "", ""]
+            if pose_error[0] is None
+            else ["" if v is None else _number(v) for v in pose_error]
         )
         lens = [f"{1000 * choice['pixel_pitch_mm']:g}", f"{choice['focal_length_mm']:g}", f"{near:.0f} - {far:.0f}"]
-        edge_detector = "none will do" if choice["pixel_px"] is None else _number(choice["pixel_px"])
+        edge_detector = "none is enough" if choice["pixel_px"] is None else _number(choice["pixel_px"])
         rows.append([choice["sensor"], *lens, f"{choice['met']} of {total}", *reported, edge_detector])
     _print_table(rows)
     smallest = document["smallest"]
     if smallest is None:
-        print("none meets the part with the head of today")
+        print("no camera that was tried measures every characteristic with today's pose uncertainty")
     else:
-        print(f"fewest pixels with the head of today: {smallest['sensor']}, {smallest['focal_length_mm']:g} mm")
+        print(f"fewest pixels with today's pose uncertainty: {smallest['sensor']}, {smallest['focal_length_mm']:g} mm")
     for entry in document["not_measurable"]:
         print(f"  not measurable  {entry['id']}: {entry['reason']}")
     _print_unverified(document["choices"])
@@ -175,7 +189,9 @@ def _print_specification(document: dict[str, Any]) -> None:
 def _print_unverified(answers: Sequence[dict[str, Any]]) -> None:
     doubtful = sum(not answer["verified"] for answer in answers)
     if doubtful:
-        print(f"{doubtful} answers of {len(answers)} did not hold when evaluated afresh; see verified in --json")
+        print(
+            f"{doubtful} answers of {len(answers)} did not hold when they were evaluated again; see verified in --json"
+        )
 
 
 def _answer(change: dict[str, Any]) -> str:

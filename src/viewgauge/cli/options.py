@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter, Token
 
-__all__ = ["DONE", "NOT_MET", "Chunk", "Json", "PartFile", "Scheduler", "Workers", "count", "whole_number"]
+__all__ = ["DONE", "NOT_MET", "Chunk", "Json", "PartFile", "Scheduler", "Seed", "Workers", "count", "whole_number"]
 
 DONE, NOT_MET = 0, 1
 """Exit codes."""
@@ -30,13 +30,23 @@ def count(kind: object, tokens: Sequence[Token]) -> int:
     return number
 
 
-PartFile = Annotated[Path | None, Parameter(name="--part", help="CAD file or mesh, in place of the file's own.")]
+PartFile = Annotated[
+    Path | None, Parameter(name="--part", help="Read this CAD file or mesh in place of the one that the file names.")
+]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the result as JSON.")]
+Seed = Annotated[
+    int | None,
+    Parameter(
+        name="--seed",
+        converter=whole_number,
+        help="Use this seed in place of the file's own; the same seed gives the same result.",
+    ),
+]
 Scheduler = Annotated[str | None, Parameter(name="--scheduler", help="Run on the Dask scheduler at this address.")]
 Workers = Annotated[
     int | None,
-    Parameter(name="--workers", converter=count, help="Run on this many processes (Dask) of this machine."),
+    Parameter(name="--workers", converter=count, help="Run in this many processes (Dask) on this machine."),
 ]
 Chunk = Annotated[
-    int, Parameter(name="--chunk", converter=count, help="Viewpoints evaluated at once; bounds the memory.")
+    int, Parameter(name="--chunk", converter=count, help="Evaluate this many viewpoints at once; it bounds the memory.")
 ]

@@ -31,19 +31,17 @@ def plot(
     Parameters
     ----------
     file
-        The inspection file (YAML).
+        Read this inspection file (YAML).
     plan
-        Folder of the plan, as viewgauge plan wrote it.
+        Read the plan from this folder, as viewgauge plan wrote it.
     output
-        The picture: .html.
+        Write the picture to this file: .html.
     what
-        scene (the part, its measurands, the cameras), table (viewpoint x characteristic), budget (what the uncertainty
-        comes from); of one characteristic laws (of its error), accuracy (how surely which is reached), directions (from
-        where).
+        Draw the whole plan (scene, table, budget) or one characteristic (laws, accuracy, directions).
     characteristic
-        Its id; the least sure by default.
+        Draw the characteristic of this id; by default the least probable one.
     dark
-        Light on dark.
+        Draw light on dark.
     """
     from ..jobs.read_plan import require_plan_of
 

@@ -1,4 +1,4 @@
-"""``viewgauge workbench``: a local web page on which a plan is looked at and turned."""
+"""``viewgauge workbench``: a local web page that shows a plan and what changes would do."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ def workbench(
 ) -> int:
     """Open a local web page with the part, the cameras and the numbers, and see what a change would do.
 
-    Ends with Ctrl-C. Only this machine can reach it, unless --host says otherwise; then the printed address holds a
-    token without which nobody is let in.
+    Ctrl-C ends it. Only this machine can reach it, unless --host says otherwise; then the printed address holds a token
+    without which no visitor is let in.
 
     Parameters
     ----------
     file
-        The inspection file (YAML). The page reads no file outside its folder.
+        Read this inspection file (YAML). The page reads no file outside its folder.
     plan
-        Folder with the plan to begin with, as viewgauge plan wrote it; by default one is made.
+        Begin with the plan in this folder, as viewgauge plan wrote it; by default one is made.
     host
-        Address or name to bind to.
+        Bind to this address or name.
     port
-        0 for any that is free.
+        Serve at this port; 0 takes any that is free.
     browser
-        Open the page in the browser; --no-browser to print its address only.
+        Open the page in the browser; --no-browser only prints its address.
     """
     from ..jobs.read_plan import require_plan_of
 

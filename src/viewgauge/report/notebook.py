@@ -18,11 +18,12 @@ from ..planning import Plan
 from ..sensors import Camera
 from .charts import Figure, accuracy_chart, laws_chart, table_chart
 from .charts.style import axis, figure, theme_of
+from .page.ranking import STATUS_WORDS, ranked
 from .page.summary import verdict
-from .page.tables import STATUS_WORDS
 from .palette import NOT_MET_COLOUR, VIEWPOINT_COLOURS
 from .pictures.part_scene import build_scene, measurand_scene
-from .wording import DASH, element, length, probability
+from .templating import Markup, render
+from .wording import DASH, length, probability
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,7 +101,7 @@ def _plot_measurand_laws(
     name: str = "the characteristic",
     dark: bool = False,
 ) -> PlotlyFigure:
-    """Densities of the parts of the error; with a required probability how surely which accuracy is reached."""
+    """Densities of the parts of the error; with a required probability, that of each accuracy."""
     allowed = 2 * laws.standard_uncertainty_mm if allowed_error_mm is None else allowed_error_mm
     if required is None:
         return _drawn(laws_chart(name, laws, allowed, dark=dark))
@@ -124,22 +125,12 @@ def table_figure(table: xr.Dataset, *, dark: bool = False) -> PlotlyFigure:
 @singledispatch
 def described(shown: object) -> str:
     """Something in a few words, as HTML that brings its own style and takes the inks of its surroundings."""
-    return element("pre", repr(shown))
+    return str(Markup("<pre>{}</pre>").format(repr(shown)))
 
 
 @described.register(Plan)
 def _described_plan(plan: Plan) -> str:
     text, good = verdict(plan)
-    viewpoints = "1 viewpoint" if plan.count == 1 else f"{plan.count} viewpoints"
-    pose_error = "".join(
-        element("th", name, style="text-align:left;padding-right:1.5em")
-        for name in ("Characteristic", "Nominal", "Status", "Probability", "Viewpoint")
-    )
-    order = list(STATUS_WORDS)
-    ranked = sorted(
-        plan.characteristics,
-        key=lambda characteristic: (order.index(characteristic.status), characteristic.probability),
-    )
     rows = [
         (
             d.id,
@@ -148,18 +139,15 @@ def _described_plan(plan: Plan) -> str:
             DASH if d.status == "not_measurable" else probability(d.probability),
             ", ".join(acquisition.viewpoint for acquisition in d.acquisitions) or d.viewpoint or DASH,
         )
-        for d in ranked
+        for d in ranked(plan)
     ]
-    body = "".join(
-        element("tr", markup="".join(element("td", cell, style="text-align:left") for cell in row)) for row in rows
-    )
-    mark = element("b", "✓ " if good else "✗ ", style="" if good else f"color:{NOT_MET_COLOUR}")
-    return element(
-        "div",
-        markup=element("p", markup=mark + element("b", f"{text}, from {viewpoints}"))
-        + element(
-            "table", markup=element("thead", markup=element("tr", markup=pose_error)) + element("tbody", markup=body)
-        ),
+    return _words(
+        "notebook_plan.html",
+        verdict=text,
+        good=good,
+        viewpoints="1 viewpoint" if plan.count == 1 else f"{plan.count} viewpoints",
+        rows=rows,
+        not_met_colour=NOT_MET_COLOUR,
     )
 
 
@@ -175,18 +163,18 @@ def _described_measurand_laws(laws: MeasurandLaws) -> str:
     facts = [
         ("measurand", f"{length(laws.length_mm)} mm"),
         ("u of the error", f"{laws.standard_uncertainty_mm:.3g} mm"),
-        ("by the pose of the head", f"{float(laws.displacement.std()):.3g} mm"),
-        ("by the camera", f"{float(laws.camera.std()):.3g} mm"),
+        ("from the camera pose", f"{float(laws.displacement.std()):.3g} mm"),
+        ("from the camera", f"{float(laws.camera.std()):.3g} mm"),
     ]
     return _facts("Laws of the error of a characteristic", facts)
 
 
+def _words(template: str, **values: Any) -> str:
+    return str(render(template, **values))
+
+
 def _facts(title: str, facts: list[tuple[str, str]]) -> str:
-    rows = "".join(
-        element("tr", markup=element("th", name, style="text-align:left") + element("td", value))
-        for name, value in facts
-    )
-    return element("div", markup=element("b", title) + element("table", markup=rows))
+    return _words("notebook_facts.html", title=title, facts=facts)
 
 
 def _number(value: NDArray[np.float64]) -> str:

@@ -1,8 +1,8 @@
 """The colours of everything that is shown, told apart by colour-blind readers too.
 
 Viewpoints and error sources have Okabe and Ito's colours ("Color Universal Design", 2008). Probabilities have two ramps
-that meet at the required one: blue from there on, the surer the darker; orange to dark red below it. Nothing is told by
-colour alone: what is not met has a thicker line, a diamond and a cross as well.
+that meet at the required one: blue from there on, darker for a higher probability; orange to dark red below it. Nothing
+is told by colour alone: what is not met has a thicker line, a diamond and a cross as well.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ SOURCE_COLOURS = {
     "edges": "#f0e442",
     "calibration": "#009e73",
 }
-"""Of the error budget."""
+"""The colour of each part of the error budget."""
 
 OTHER_SOURCE_COLOUR = "#cc79a7"
 """Of a source of error that a camera has beside these."""
 
-_UNSURE, _NEARLY = (122, 4, 3), (240, 150, 50)  # at 0, and just below what is required
-_JUST, _SURE = (86, 170, 232), (0, 60, 130)  # at what is required, and at 1
+_IMPOSSIBLE, _NEARLY = (122, 4, 3), (240, 150, 50)  # at 0, and just below what is required
+_JUST, _CERTAIN = (86, 170, 232), (0, 60, 130)  # at what is required, and at 1
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,13 @@ def probability_colour(probability: float, required: float) -> str:
     """Hexadecimal; in blues by the order of what is left to certainty, in oranges and reds in proportion."""
     if probability >= required:
         orders = math.log10((1 - required) / max(1 - probability, 1e-12)) if required < 1 else 0.0
-        return _mixed(_JUST, _SURE, orders / 3)
-    return _mixed(_UNSURE, _NEARLY, probability / required)
+        return _mixed(_JUST, _CERTAIN, orders / 3)
+    return _mixed(_IMPOSSIBLE, _NEARLY, probability / required)
 
 
 def probability_scale(required: float) -> list[tuple[float, str]]:
     """The same as a Plotly colour scale of probabilities from 0 to 1."""
-    below = [(share * required, _mixed(_UNSURE, _NEARLY, share)) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
+    below = [(share * required, _mixed(_IMPOSSIBLE, _NEARLY, share)) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
     steps = [required + (1 - required) * (1 - 10.0 ** (-orders)) for orders in (0.0, 0.5, 1.0, 2.0)]
     above = [(step, probability_colour(step, required)) for step in steps]
-    return [*below, *above, (1.0, _mixed(_JUST, _SURE, 1.0))]
+    return [*below, *above, (1.0, _mixed(_JUST, _CERTAIN, 1.0))]

@@ -3,27 +3,13 @@
 from __future__ import annotations
 
 import math
-from html import escape
 
 from ..evaluation import CapabilityRequirement, ConformanceRequirement, Requirement
 
-__all__ = ["element", "length", "probability", "requirement_text", "rounded", "tolerance"]
+__all__ = ["DASH", "length", "probability", "requirement_text", "rounded", "tolerance"]
 
 DASH = "–"
 PROBABILITY_DIGITS = 4
-
-
-def element(tag: str, text: str = "", *, markup: str = "", **attributes: str) -> str:
-    """An HTML element with escaped text, or with markup that is safe already.
-
-    Parameters
-    ----------
-    attributes
-        Values are escaped. A trailing underscore is dropped (``class_``), others are hyphens (``aria_label``).
-    """
-    names = {key: key.rstrip("_").replace("_", "-") for key in attributes}
-    written = "".join(f' {names[key]}="{escape(value)}"' for key, value in attributes.items())
-    return f"<{tag}{written}>{markup or escape(text)}</{tag}>"
 
 
 def probability(value: float) -> str:

@@ -1,4 +1,4 @@
-"""The workbench: a local web page on which a plan is looked at and turned."""
+"""The workbench: a local web page that shows a plan and what changes would do."""
 
 from .workbench import open_workbench
 

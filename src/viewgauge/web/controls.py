@@ -15,7 +15,7 @@ from .uploads import INSPECTION_SUFFIXES, OTHER_SUFFIXES
 
 __all__ = ["LOOK_AT", "Controls"]
 
-LOOK_AT = ("the part", "all", "as the viewpoint")
+LOOK_AT = ("the part", "everything", "from the viewpoint")
 
 _STEPS = 50  # of a slider, for today's value
 
@@ -31,12 +31,17 @@ class _Dial:
 
 
 _DIALS = (
-    _Dial("Pixel pitch / µm", "Smaller pixels on a sensor of the same size.", "pixel_pitch_mm", 1e3),
-    _Dial("Edge location / px", "Step of the edge detector, or its noise: 1 is a whole pixel.", "edge_px"),
+    _Dial("Pixel pitch / µm", "The sensor keeps its size: smaller pixels are more pixels.", "pixel_pitch_mm", 1e3),
+    _Dial("Edge location / px", "The step of the edge detector, or its noise: 1 is a whole pixel.", "edge_px"),
     _Dial("Focal length / mm", "The cameras stay where they are.", "focal_length_mm"),
-    _Dial("Distance / % of the planned", "All cameras nearer or farther along their axes.", "distance", 100.0),
-    _Dial("Head: translation / mm", "Largest of the three standard deviations.", "translation_mm"),
-    _Dial("Head: rotation / deg", "Largest of the three standard deviations.", "rotation_rad", 180 / math.pi),
+    _Dial("Distance / % of the planned", "This moves all cameras along their optical axes.", "distance", 100.0),
+    _Dial("Pose uncertainty: translation / mm", "The largest of the three standard deviations.", "translation_mm"),
+    _Dial(
+        "Pose uncertainty: rotation / deg",
+        "The largest of the three standard deviations.",
+        "rotation_rad",
+        180 / math.pi,
+    ),
 )
 
 
@@ -61,7 +66,7 @@ class Controls:
         self.style = gui.add_html("")
         self.verdict = gui.add_html("")
         self.legend = gui.add_html("")
-        self.replan = gui.add_button("Plan again", hint="Look for the fewest viewpoints with the knobs as they are.")
+        self.replan = gui.add_button("Plan again", hint="Looks for the fewest viewpoints with the knobs as they are.")
         self.cancel = gui.add_button("Cancel planning", color="red", visible=False)
         self.bar = gui.add_progress_bar(0.0, visible=False, animated=True)
         self.stage = gui.add_html("", visible=False)
@@ -78,13 +83,21 @@ class Controls:
             self.upload_other = gui.add_upload_button(
                 "Send a part or another named file",
                 mime_type=",".join(OTHER_SUFFIXES),
-                hint="First, if the inspection file names it.",
+                hint="Send it before the inspection file that names it.",
             )
             self.upload = gui.add_upload_button("Load an inspection file", mime_type=",".join(INSPECTION_SUFFIXES))
-            self.save_inspection = gui.add_button("Save the inspection (YAML)", hint="With the knobs as they are.")
-            self.save_report = gui.add_button("Save the report (HTML)", hint="Of the plan as it was made.")
-            self.save_plan = gui.add_button("Save the plan (ZIP)", hint="plan.json, viewpoints, assignments, report.")
-            self.save_viewpoints = gui.add_button("Save the viewpoints (CSV)", hint="Where the cameras stand now.")
+            self.save_inspection = gui.add_button(
+                "Save the inspection (YAML)", hint="Saves the inspection with the knobs as they are."
+            )
+            self.save_report = gui.add_button(
+                "Save the report (HTML)", hint="Saves the report of the plan as it was made."
+            )
+            self.save_plan = gui.add_button(
+                "Save the plan (ZIP)", hint="Saves plan.json, the viewpoints, the assignments and the report."
+            )
+            self.save_viewpoints = gui.add_button(
+                "Save the viewpoints (CSV)", hint="Saves the poses of the cameras as they stand now."
+            )
             self.file_message = gui.add_html("")
 
     def show_knobs(self, inspection: Inspection, knobs: KnobValues) -> None:
@@ -104,9 +117,11 @@ class Controls:
                 step=0.0005,
                 initial_value=knobs.probability,
                 disabled=knobs.required is None,
-                hint="How surely every characteristic has to be measured.",
+                hint="The probability that every characteristic must reach.",
             )
-            reset = self._gui.add_button("As the inspection has it")
+            reset = self._gui.add_button(
+                "Reset", hint="Puts all knobs back to the inspection's values, and all cameras where they were planned."
+            )
         self._dials["reset"] = reset
         reset.on_click(lambda _: self._reset(knobs))
         for field, handle in self._dials.items():
@@ -155,7 +170,7 @@ class Controls:
             step=step,
             initial_value=shown,
             disabled=not shown,
-            hint=dial.hint if shown else f"{dial.hint} Nought in this inspection.",
+            hint=dial.hint if shown else f"{dial.hint} It is zero in this inspection.",
         )
 
     def _required(self, inspection: Inspection, knobs: KnobValues) -> Any:
@@ -163,7 +178,13 @@ class Controls:
         self._required_scale = 1.0 if requirement.kind == "error" else 100.0
         if knobs.required is None:
             return self._gui.add_slider(
-                "Requirement", min=0, max=1, step=1, initial_value=0, disabled=True, hint="Stated by other figures."
+                "Requirement",
+                min=0,
+                max=1,
+                step=1,
+                initial_value=0,
+                disabled=True,
+                hint="This kind of requirement has no single number to turn.",
             )
         shown = _shown(self._required_scale * knobs.required)
         if requirement.kind == "accuracy":
@@ -176,7 +197,7 @@ class Controls:
                 max=100 - step,
                 step=step,
                 initial_value=min(shown, 100 - step),
-                hint="Of the length, that every characteristic must be measured to.",
+                hint="The accuracy, relative to the length, that every characteristic must reach.",
             )
         label = "Allowed error / mm" if requirement.kind == "error" else "Allowed share of the tolerance / %"
         step = _nice(shown / _STEPS)

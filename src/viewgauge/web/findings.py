@@ -10,8 +10,14 @@ from ..jobs.workbench.what_if import WhatIf
 from ..planning.improve.answers import Answers
 from ..report.charts import accuracy_chart, budget_chart, directions_chart, laws_chart
 from ..report.palette import DARK, LIGHT
-from ..report.pictures.view_picture import unseen_table, view_picture
-from ..report.workbench import answer_table, characteristic_facts, message, not_measurable_table, workbench_style
+from ..report.workbench_markup import (
+    answer_table,
+    characteristic_facts,
+    message,
+    not_measurable_table,
+    viewpoint_markup,
+    workbench_style,
+)
 
 __all__ = ["Findings", "choose"]
 
@@ -118,9 +124,9 @@ class Findings:
             self._view.content = message("There is no viewpoint yet.")
             return
         view = what_if.view(answers, name)
-        picture = view_picture(view, answers.setup.requirement.probability, chosen=self.chosen_characteristic)
         style = workbench_style(DARK if dark else LIGHT)
-        self._view.content = f'{style}<div class="vg">{picture}{unseen_table(view.characteristics)}</div>'
+        required = answers.setup.requirement.probability
+        self._view.content = style + viewpoint_markup(view, required, self.chosen_characteristic)
 
     def _draw(self, name: str, figure: dict[str, Any] | None) -> None:
         from plotly.graph_objects import Figure

@@ -80,10 +80,10 @@ class Gate:
         """The answer to one who is not let in; None for one who is."""
         host = _host(request)
         if host is None or (self._names is not None and host[0] not in self._names):
-            return _refuse(http.HTTPStatus.MISDIRECTED_REQUEST, "this server has another name")
+            return _refuse(http.HTTPStatus.MISDIRECTED_REQUEST, "this server does not go by that name")
         upgrade = bool(request.headers.get_all("Upgrade"))
         if upgrade and not self._same_origin(request, host):
-            return _refuse(http.HTTPStatus.FORBIDDEN, "a page from elsewhere must not come in")
+            return _refuse(http.HTTPStatus.FORBIDDEN, "pages of another origin are refused")
         if self._token is None or self._known(request):
             return None
         return _refuse(http.HTTPStatus.UNAUTHORIZED, "open the address with the token that viewgauge workbench printed")

@@ -31,7 +31,7 @@ class Project:
     path
         The inspection file; its folder is the project's.
     plan
-        To begin with; None to make one, in a child process, while visitors look at the part already.
+        The plan to begin with; None to make one in a child process while visitors look at the part already.
     """
 
     def __init__(self, path: Path, inspection: Inspection, plan: Plan | None = None) -> None:
@@ -69,7 +69,7 @@ class Project:
         """
         while not self._turns.acquire(timeout=0.1):
             if ended.is_set():
-                raise JobCancelledError("ended on request")
+                raise JobCancelledError("the work was cancelled")
         try:
             yield
         finally:

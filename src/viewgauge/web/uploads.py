@@ -13,7 +13,7 @@ from ..exceptions import InputError
 __all__ = ["INSPECTION_SUFFIXES", "MOST_BYTES", "OTHER_SUFFIXES", "limit_uploads", "stored"]
 
 MOST_BYTES = 64 * 2**20
-"""Of a file."""
+"""The largest size of a file."""
 
 INSPECTION_SUFFIXES = (".yaml", ".yml")
 OTHER_SUFFIXES = (".stp", ".step", ".p21", ".stl", ".ply", ".obj", ".csv", ".yaml", ".yml")
@@ -34,7 +34,7 @@ def limit_uploads(client: viser.ClientHandle) -> None:
             coming.pop(message.transfer_uuid, None)
             what = f"{_plain_name(message.filename)} is larger than {MOST_BYTES // 2**20} MB"
             if message.size_bytes <= MOST_BYTES:
-                what = "one file after the other, please"
+                what = "only one file can be sent at a time"
             client.add_notification("Not taken", what, color="red")
 
     def came(_: int, message: FileTransferPart) -> None:

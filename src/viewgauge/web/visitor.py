@@ -1,4 +1,4 @@
-"""One visitor of the workbench: what is loaded, turned, dragged and chosen, and nobody else sees."""
+"""One visitor of the workbench: what is loaded, turned, dragged and chosen, unseen by other visitors."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ..jobs.write_report import plan_report
 from ..planning.improve.answers import Answers
 from ..planning.inspection import Inspection
 from ..report.palette import DARK, LIGHT
-from ..report.workbench import legend, message, verdict_markup, workbench_style
+from ..report.workbench_markup import legend, message, verdict_markup, workbench_style
 from .controls import LOOK_AT, Controls
 from .findings import Findings, choose
 from .refresher import Refresher
@@ -157,7 +157,7 @@ class Visitor:
         self._refresher.ask("answers", "viewpoint", "characteristic")
 
     def _first_plan(self, outcome: Plan | Stage | ViewgaugeError) -> None:
-        """Of the plan that all visitors begin with: how far it is, or what became of it."""
+        """Show how far the plan is that all visitors begin with, or what became of it."""
         if self._closed or self._plan_made is not None or self._inspection is not self._project.inspection:
             return
         if isinstance(outcome, Stage):
@@ -322,7 +322,7 @@ class Visitor:
             self._working = True
             self._ended.clear()
         try:
-            self._show_stage(Stage("Waiting for the work of others"))
+            self._show_stage(Stage("Waiting until other visitors' plans are made"))
             with self._project.turn(self._ended):
                 self._job = Job(work, *arguments, watcher=self._show_stage, **limits)
                 if self._ended.is_set():  # meanwhile
@@ -370,7 +370,7 @@ class Visitor:
         except InputError as error:
             self._controls.file_message.content = message(self._reported(error), bad=True)
             return None
-        self._controls.file_message.content = message(f"{path.name} is here.")
+        self._controls.file_message.content = message(f"{path.name} was received.")
         return path
 
     def _receive_other(self, file: viser.UploadedFile) -> None:
@@ -382,7 +382,7 @@ class Visitor:
         if path is None:
             return
         if self._working:
-            self._controls.file_message.content = message("Wait until it is planned, or cancel that first.", bad=True)
+            self._controls.file_message.content = message("Wait until the plan is made, or cancel it first.", bad=True)
             return
         self._project.lend_files(self._folder)
         inspection = self._result(load_uploaded, path, timeout_s=_LOAD_S, memory_bytes=_LOAD_BYTES)
@@ -400,8 +400,8 @@ class Visitor:
         self._client.send_file_download(name, content, save_immediately=True)
 
     def _inspection_file(self) -> tuple[str, bytes]:
-        text, homeless = changed_inspection_text(self._text, self._inspection, self._knobs())
-        reported = f"Without {', '.join(homeless)}, for which the file has no place." if homeless else ""
+        text, unsaved = changed_inspection_text(self._text, self._inspection, self._knobs())
+        reported = f"Saved without {', '.join(unsaved)}: the file has no place for it." if unsaved else ""
         self._controls.file_message.content = message(reported) if reported else ""
         return f"{self._file_stem()}.yaml", text.encode()
 
@@ -418,7 +418,7 @@ class Visitor:
         return "viewpoints.csv", viewpoints_text(viewpoints).encode()
 
     def _reported(self, error: Exception) -> str:
-        """An error without the place where files of visitors lie, which is nobody's business."""
+        """An error's text without the folder in which visitors' files lie, which it does not tell."""
         return str(error).replace(f"{self._folder}{os.sep}", "")
 
     def _made(self) -> Plan:

@@ -19,7 +19,7 @@ def plan_again(progress: Progress, inspection: Inspection) -> Plan:
 
 
 def load_uploaded(progress: Progress, path: Path) -> Inspection:
-    """Read an inspection file that somebody sent; nothing outside its folder is read."""
+    """Read an inspection file that a visitor sent; nothing outside its folder is read."""
     from ..load import load
 
     with progress.stage("Reading the inspection and its part"):

@@ -17,13 +17,13 @@ __all__ = ["changed_inspection_text"]
 def changed_inspection_text(text: str, inspection: Inspection, knobs: KnobValues) -> tuple[str, tuple[str, ...]]:
     """The inspection file's text with the knobs' values, and the names of those that it has no place for.
 
-    No place has what another file states: the camera of a calibration, the head of a covariance. Nor has the
-    distance, which is the viewpoints'.
+    What another file states has no place in it: a camera's calibration, a covariance of the pose. Nor has the distance,
+    which belongs to the viewpoints.
 
     Parameters
     ----------
     text
-        Of the file that the inspection was read from.
+        The text of the file that the inspection was read from.
     """
     today = KnobValues.of(inspection.setup)
     changes: dict[tuple[str, ...], Any] = {}

@@ -29,7 +29,7 @@ class ViewpointViews:
     Parameters
     ----------
     mesh
-        Of the part.
+        The part's mesh.
     """
 
     def __init__(self, mesh: Mesh) -> None:

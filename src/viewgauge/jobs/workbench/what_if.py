@@ -1,4 +1,4 @@
-"""What a plan would be worth with other cameras, heads, distances and requirements: answers while a knob is turned."""
+"""What a plan reaches with another camera, pose uncertainty, distance or requirement, while a knob is turned."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class WhatIf:
     Parameters
     ----------
     plan
-        Whose viewpoints are judged; None for none yet.
+        The plan whose viewpoints are evaluated; None while there is none.
     """
 
     def __init__(self, inspection: Inspection, plan: Plan | None) -> None:
@@ -145,7 +145,7 @@ class WhatIf:
         return error_budget(start, end, answers.setup.camera, answers.setup.pose_error, tolerance, axis)
 
     def directions(self, answers: Answers, name: str, distance_mm: float) -> DirectionMap:
-        """From where on a sphere a characteristic is measured how surely."""
+        """The probability of a characteristic from each direction on a sphere."""
         assert self._evaluator is not None, "there is a characteristic to measure"
         (index,) = [j for j, characteristic in enumerate(self.characteristics) if characteristic.id == name]
         evaluator = self._evaluator.of([index]).with_setup(answers.setup)

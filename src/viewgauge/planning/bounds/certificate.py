@@ -123,7 +123,7 @@ def _remains(bound: Bound, required: float) -> str:
             f"not excluded: occlusion apart, {_down(bound.found)} may be possible at a pose between the candidates; "
             "more candidates may find it"
         )
-    return f"not decided: at most {_up(bound.upper)} anywhere, where {_down(required)} is required"
+    return f"not decided: at most {_up(bound.upper)} anywhere, where {required:g} is required"
 
 
 def _up(probability: float) -> str:

@@ -28,7 +28,7 @@ def accuracy_chart(
     reach = max(2.5 * allowed_error_mm, 3.5 * laws.standard_uncertainty_mm)
     error = np.linspace(0, reach, _POINTS)
     accuracy = 100 * (1 - error / laws.length_mm)
-    models = [("total", "both ends share the error of the pose", laws.probability(error))]
+    models = [("total", "both ends share the pose error", laws.probability(error))]
     independent = laws.independent_probability(error)
     if independent is not None:
         models.append(("independent", "ends taken as independent (1998)", independent))
@@ -71,7 +71,7 @@ def accuracy_chart(
     return figure(
         data,
         theme,
-        f"How surely {plain(name)} is measured how accurately",
+        f"Probability of each accuracy of {plain(name)}",
         xaxis=axis("accuracy at least / %", theme, range=[float(accuracy.min()), 100]),
         yaxis=axis("probability", theme, range=[0, 1.04]),
         shapes=[shape for shape, _ in lines],

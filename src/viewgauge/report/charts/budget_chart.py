@@ -39,7 +39,7 @@ def budget_chart(budgets: Mapping[str, ErrorBudget], order: Sequence[str] = (), 
         }
         for part, words in shown_parts(budgets.values()).items()
     ]
-    title = f"What the uncertainty of {plain(names[0])} comes from" if len(names) == 1 else "Error budget"
+    title = f"Sources of the uncertainty of {plain(names[0])}" if len(names) == 1 else "Error budget"
     return figure(
         data,
         theme,

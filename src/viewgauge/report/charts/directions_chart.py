@@ -35,60 +35,9 @@ def directions_chart(
     Lambert's azimuthal equal-area projection: Snyder, *Map Projections: A Working Manual*, 1987, eq. 24-1 to 24-4.
     """
     theme = theme_of(dark)
-    seen = found.reason == ""
-    places = _projected(found.directions)
-    size = 380.0 / np.sqrt(len(places))
-    reported = [_reported(*row) for row in zip(found.directions, found.probability, found.reason, strict=True)]
-    data = []
-    for where, words, marker in (
-        (~seen, "not seen", {"color": UNSEEN_COLOUR, "opacity": 0.35, "size": size}),
-        (
-            seen,
-            "probability",
-            {
-                "color": [round(float(p), 6) for p in found.probability[seen]],
-                "colorscale": [list(stop) for stop in probability_scale(required)],
-                "cmin": 0,
-                "cmax": 1,
-                "size": size,
-                "colorbar": COLOUR_BAR,
-            },
-        ),
-    ):
-        data.append(
-            {
-                "type": "scatter",
-                "mode": "markers",
-                "name": words,
-                "x": np.round(places[where, 0], 4).tolist(),
-                "y": np.round(places[where, 1], 4).tolist(),
-                "text": [text for text, shown in zip(reported, where, strict=True) if shown],
-                "marker": marker,
-                "hovertemplate": "%{text}<extra></extra>",
-                "showlegend": False,
-            }
-        )
+    data = _map_traces(found, required)
     if cameras:
-        at = _projected(np.array(list(cameras.values()), dtype=float))
-        data.append(
-            {
-                "type": "scatter",
-                "mode": "markers+text",
-                "x": np.round(at[:, 0], 4).tolist(),
-                "y": np.round(at[:, 1], 4).tolist(),
-                "text": [plain(name) for name in cameras],
-                "textposition": "top center",
-                "textfont": {"color": theme.ink, "size": 13},
-                "marker": {
-                    "symbol": "star",
-                    "size": 15,
-                    "color": "#ffffff",
-                    "line": {"color": "#000000", "width": 1.5},
-                },
-                "hovertemplate": "camera %{text}<extra></extra>",
-                "showlegend": False,
-            }
-        )
+        data.append(_camera_trace(cameras, theme.ink))
     hidden = {"visible": False, "range": [-2.2, 2.2], "fixedrange": True}
     most_probable = float(found.probability.max(initial=0.0))
     return figure(
@@ -103,6 +52,54 @@ def directions_chart(
         annotations=_names(theme.soft),
         margin={"l": 8, "r": 8, "t": 40, "b": 8},
     )
+
+
+def _map_traces(found: DirectionMap, required: float) -> list[Figure]:
+    """The directions that do not see the characteristic, in grey, and those that do, in the colours of probability."""
+    seen = found.reason == ""
+    places = _projected(found.directions)
+    size = 380.0 / np.sqrt(len(places))
+    reported = [_reported(*row) for row in zip(found.directions, found.probability, found.reason, strict=True)]
+    coloured = {
+        "color": [round(float(p), 6) for p in found.probability[seen]],
+        "colorscale": [list(stop) for stop in probability_scale(required)],
+        "cmin": 0,
+        "cmax": 1,
+        "size": size,
+        "colorbar": COLOUR_BAR,
+    }
+    grey = {"color": UNSEEN_COLOUR, "opacity": 0.35, "size": size}
+    return [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "name": words,
+            "x": np.round(places[where, 0], 4).tolist(),
+            "y": np.round(places[where, 1], 4).tolist(),
+            "text": [text for text, shown in zip(reported, where, strict=True) if shown],
+            "marker": marker,
+            "hovertemplate": "%{text}<extra></extra>",
+            "showlegend": False,
+        }
+        for where, words, marker in ((~seen, "not seen", grey), (seen, "probability", coloured))
+    ]
+
+
+def _camera_trace(cameras: Mapping[str, Sequence[float]], ink: str) -> Figure:
+    """Stars, with their names, in the directions of cameras."""
+    at = _projected(np.array(list(cameras.values()), dtype=float))
+    return {
+        "type": "scatter",
+        "mode": "markers+text",
+        "x": np.round(at[:, 0], 4).tolist(),
+        "y": np.round(at[:, 1], 4).tolist(),
+        "text": [plain(name) for name in cameras],
+        "textposition": "top center",
+        "textfont": {"color": ink, "size": 13},
+        "marker": {"symbol": "star", "size": 15, "color": "#ffffff", "line": {"color": "#000000", "width": 1.5}},
+        "hovertemplate": "camera %{text}<extra></extra>",
+        "showlegend": False,
+    }
 
 
 def _projected(directions: NDArray[np.float64]) -> NDArray[np.float64]:

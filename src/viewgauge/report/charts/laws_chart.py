@@ -13,7 +13,7 @@ __all__ = ["laws_chart"]
 _POINTS = 161
 CURVES = {
     "camera": ("pixels", "#E69F00", "dash"),
-    "displacement": ("pose of the head", "#009E73", "dashdot"),
+    "displacement": ("camera pose", "#009E73", "dashdot"),
     "total": ("together", "#2184C7", "solid"),
     "independent": ("together, ends taken as independent (1998)", "#CC79A7", "dot"),
 }
@@ -26,9 +26,9 @@ def laws_chart(name: str, laws: MeasurandLaws, allowed_error_mm: float, *, dark:
     Parameters
     ----------
     name
-        Of the characteristic.
+        The characteristic's name.
     allowed_error_mm
-        Largest allowed error.
+        The largest allowed error.
     """
     theme = theme_of(dark)
     spread = max(laws.standard_uncertainty_mm, 1e-9)

@@ -19,7 +19,7 @@ COLOUR_BAR = {
     "thickness": 12,
     "outlinewidth": 0,
 }
-"""Of probabilities."""
+"""The colour bar of a chart of probabilities."""
 
 
 def theme_of(dark: bool) -> Theme:

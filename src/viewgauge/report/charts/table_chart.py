@@ -49,7 +49,7 @@ def table_chart(
     return figure(
         data,
         theme,
-        f"How surely each viewpoint measures (blue: ≥ {required:g})",
+        f"Probability at each viewpoint (blue: ≥ {required:g})",
         hovermode="closest",
         plot_bgcolor=UNSEEN_COLOUR,
         xaxis={**axis("characteristic", theme, type="category"), "showgrid": False},

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from html import escape
+from dataclasses import dataclass
 from importlib.metadata import version
-from string import Template
 from typing import Any
 
 from ...evaluation.requirement.allowed_error import Requirement
 from ...planning.improve.improvement import CameraChoice, Improvement, Specification
-from ..wording import DASH, element, requirement_text, rounded
+from ..templating import render_page
+from ..wording import DASH, requirement_text, rounded
 from .changes import changes_table
-from .report_page import resource, script_data
-from .tables import fact_table, markup_table
 
 __all__ = ["render_improvement", "render_specification"]
 
@@ -24,63 +22,62 @@ _MARKS = ("circle", "square", "diamond", "cross", "triangle-up", "x")
 def render_improvement(
     improvement: Improvement, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
 ) -> str:
-    """What to improve as one HTML text: a picture of pixels against head, and the least change of each thing."""
+    """What to improve as one HTML text: edge detector against pose uncertainty, and the least change of each thing."""
     characteristics = improvement.characteristics
     met = sum(characteristic.met for characteristic in characteristics)
-    verdict = f"{met} of {len(characteristics)} characteristics are met today"
-    body = element("p", verdict, class_=f"verdict {'good' if met == len(characteristics) else 'bad'}")
-    picture = _trade_picture(improvement)
-    if picture:
-        hint = "The part is met below the line: with that step of the edge detector, by a head that is no worse."
-        body += _figure("Pixels against head", hint)
-    hint = (
-        "The least change of one thing alone, all else as today, that meets a characteristic; where it is "
-        "met, how far it "
-        f"may go. By {improvement.viewpoints:,} viewpoints that were tried. Hatched: no such change will do; the "
-        "probability is what is reached without that error."
+    return _page(
+        "improvement.html",
+        f"{title} – what to improve",
+        requirement,
+        inputs,
+        _trade_picture(improvement),
+        verdict=f"{met} of {len(characteristics)} characteristics are met today",
+        good=met == len(characteristics),
+        viewpoints=improvement.viewpoints,
+        changes=changes_table(improvement),
     )
-    body += element("h2", "What would have to change") + element("p", hint, class_="hint") + changes_table(improvement)
-    if improvement.left_out:
-        names = ", ".join(improvement.left_out)
-        body += element("p", f"No camera or head error is in the way of {names}: they are not seen.", class_="hint")
-    return _page(f"{title} – what to improve", requirement, body, picture, inputs)
 
 
 def render_specification(
     specification: Specification, requirement: Requirement, *, title: str, inputs: Mapping[str, str]
 ) -> str:
-    """Cameras for a part as one HTML text: a picture of pixels against head, and a row for each sensor and lens."""
+    """Cameras for a part as one HTML text: pixels against the pose uncertainty, and a row for each sensor and lens."""
     smallest = specification.smallest
-    if smallest is None:
-        verdict = element("p", "No camera that was tried meets the part with the head of today", class_="verdict bad")
-    else:
-        reported = f"Fewest pixels with the head of today: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
-        verdict = element("p", reported, class_="verdict good")
-    hint = "From the red line on the part is met with the head of today; higher, the head may be worse by that factor."
-    body = verdict + _figure("Pixels against head", hint)
-    body += element("h2", "Cameras") + _choice_table(specification)
-    return _page(f"{title} – which camera", requirement, body, _choice_picture(specification.choices), inputs)
-
-
-def _page(
-    title: str, requirement: Requirement, body: str, picture: dict[str, Any] | None, inputs: Mapping[str, str]
-) -> str:
-    from plotly.offline import get_plotlyjs  # here: 5 MB that only a page needs
-
-    return Template(resource("answers.html")).substitute(
-        title=escape(title),
-        style=resource("page.css"),
-        requirement=escape(requirement_text(requirement)),
-        body=body,
-        inputs=fact_table({**inputs, "viewgauge": version("viewgauge")}),
-        picture=script_data(picture),
-        plotly=get_plotlyjs(),
+    verdict = "No camera that was tried measures every characteristic with today's pose uncertainty"
+    if smallest is not None:
+        verdict = (
+            f"Fewest pixels with today's pose uncertainty: {smallest.sensor.name}, {smallest.focal_length_mm:g} mm"
+        )
+    best = {id(choice) for choice in specification.best}
+    return _page(
+        "specification.html",
+        f"{title} – which camera",
+        requirement,
+        inputs,
+        _choice_picture(specification.choices),
+        verdict=verdict,
+        good=smallest is not None,
+        rows=[_choice_row(choice, specification, id(choice) in best) for choice in specification.choices],
     )
 
 
-def _figure(heading: str, hint: str) -> str:
-    picture = element("div", id="trade", class_="picture")
-    return element("h2", heading) + element("p", hint, class_="hint") + element("figure", markup=picture)
+def _page(
+    template: str,
+    title: str,
+    requirement: Requirement,
+    inputs: Mapping[str, str],
+    picture: dict[str, Any] | None,
+    **values: Any,
+) -> str:
+    return render_page(
+        template,
+        picture,
+        title=title,
+        requirement=requirement_text(requirement),
+        inputs={**inputs, "viewgauge": version("viewgauge")},
+        has_picture=picture is not None,
+        **values,
+    )
 
 
 def _layout(x: str, y: str) -> dict[str, Any]:
@@ -111,7 +108,7 @@ def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
         "x": [pixel for pixel, _ in trades],
         "y": [factor for _, factor in trades],
         "mode": "lines+markers",
-        "name": "the part is just met",
+        "name": "every characteristic is just met",
         "line": {"color": _COLOURS[0], "width": 3},
     }
     today = {
@@ -121,7 +118,10 @@ def _trade_picture(improvement: Improvement) -> dict[str, Any] | None:
         "name": "today",
         "marker": {"color": "#D00000", "size": 14, "symbol": "star"},
     }
-    return {"data": [line, today], "layout": _layout("step of the edge detector / px", "errors of the head / of today")}
+    return {
+        "data": [line, today],
+        "layout": _layout("step of the edge detector / px", "largest pose uncertainty / of today's"),
+    }
 
 
 def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
@@ -139,47 +139,36 @@ def _choice_picture(choices: Sequence[CameraChoice]) -> dict[str, Any]:
                 "line": {"dash": "dot", "width": 1},
             }
         )
-    layout = _layout("megapixels", "errors of the head, at most / of today")
+    layout = _layout("megapixels", "largest pose uncertainty / of today's")
     layout["shapes"] = [
         {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 1, "y1": 1, "line": {"color": "#D00000", "width": 2}}
     ]
     return {"data": data, "layout": layout}
 
 
-def _choice_table(specification: Specification) -> str:
-    pose_error = [
-        ("Sensor", ""),
-        ("Pixel / µm", "num"),
-        ("Lens / mm", "num"),
-        ("Distance / mm", "num"),
-        ("Met with the head of today", "num"),
-        ("Head, at most / of today", "num"),
-        ("Translation / mm", "num"),
-        ("Rotation / deg", "num"),
-        ("Or edge detector, at most / px", "num"),
-    ]
-    best = {id(choice) for choice in specification.best}
-    rows = []
-    for choice in specification.choices:
-        near, far = choice.distance_mm
-        values = (
-            choice.pose_error.factor,
-            choice.translation_mm,
-            choice.rotation_deg,
-            None if choice.pixel is None else choice.pixel.value,
-        )
-        numbers = [
-            f"{1000 * choice.sensor.pixel_pitch_mm:g}",
-            f"{choice.focal_length_mm:g}",
-            f"{near:.0f} to {far:.0f}",
-            f"{choice.met} of {specification.characteristics}",
-            *(DASH if value is None else rounded(value) for value in values),
-        ]
-        cells = element("th", choice.sensor.name, scope="row", style="white-space:nowrap")
-        cells += "".join(element("td", number, class_="num") for number in numbers)
-        good = choice.pose_error.factor is not None and choice.pose_error.factor >= 1
-        kind = ("met" if good else "not_met") + (" total" if id(choice) in best else "")
-        rows.append(element("tr", markup=cells, class_=kind))
-    return element("p", "In bold, of each sensor the lens with which the head may be worst.", class_="hint") + (
-        markup_table(pose_error, rows)
+@dataclass(frozen=True)
+class _ChoiceRow:
+    """A sensor with a lens as it is printed, and the classes of its row."""
+
+    sensor: str
+    kind: str
+    numbers: list[str]
+
+
+def _choice_row(choice: CameraChoice, specification: Specification, best: bool) -> _ChoiceRow:
+    near, far = choice.distance_mm
+    values = (
+        choice.pose_error.factor,
+        choice.translation_mm,
+        choice.rotation_deg,
+        None if choice.pixel is None else choice.pixel.value,
     )
+    numbers = [
+        f"{1000 * choice.sensor.pixel_pitch_mm:g}",
+        f"{choice.focal_length_mm:g}",
+        f"{near:.0f} to {far:.0f}",
+        f"{choice.met} of {specification.characteristics}",
+        *(DASH if value is None else rounded(value) for value in values),
+    ]
+    good = choice.pose_error.factor is not None and choice.pose_error.factor >= 1
+    return _ChoiceRow(choice.sensor.name, ("met" if good else "not_met") + (" total" if best else ""), numbers)

@@ -1,40 +1,69 @@
-"""The least change of each thing that meets characteristics, as a table."""
+"""The least change of each thing that meets characteristics, as rows of a table."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 from ...planning.improve.improvement import Change, Improvement
 from ...planning.improve.knobs import knob_named
-from ..wording import DASH, element, probability, rounded
-from .tables import markup_table
+from ..wording import DASH, probability, rounded
 
-__all__ = ["changes_table"]
+__all__ = ["ChangesTable", "changes_table"]
 
 
-def changes_table(improvement: Improvement) -> str:
+@dataclass(frozen=True)
+class ChangeCell:
+    """A limit as it is printed, what limits it, and whether any change will do at all."""
+
+    text: str
+    limited_by: str = ""
+    possible: bool = True
+
+
+@dataclass(frozen=True)
+class ChangesRow:
+    """Today, a characteristic, or the part: its state today, and a cell for each thing that can be changed."""
+
+    name: str
+    kind: str
+    today: str
+    cells: Sequence[ChangeCell]
+
+
+@dataclass(frozen=True)
+class ChangesTable:
+    """The rows, the columns of what can be changed with their class, and the characteristics that are not seen."""
+
+    columns: Sequence[tuple[str, str]]
+    rows: Sequence[ChangesRow]
+    left_out: Sequence[str]
+
+
+def changes_table(improvement: Improvement) -> ChangesTable:
     """A row for today, for each characteristic, and for the part; a column for each thing that can be changed."""
     knobs = list(improvement.today)
-    pose_error = [("Characteristic", ""), ("Today", "num")]
-    pose_error += [(f"{name.replace('_', ' ').capitalize()} / {knob_named(name).unit}", "num") for name in knobs]
-    today = [element("th", "Today", scope="row"), element("td")]
-    today += [element("td", rounded(improvement.today[name]), class_="num") for name in knobs]
-    rows = [element("tr", markup="".join(today))]
-    for d in improvement.characteristics:
-        cells = [element("th", d.id, scope="row"), element("td", probability(d.probability), class_="num")]
-        cells += [_change_cell(d.changes[name]) for name in knobs]
-        rows.append(element("tr", markup="".join(cells), class_="met" if d.met else "not_met"))
+
+    def cells(changes: Mapping[str, Change]) -> list[ChangeCell]:
+        return [_cell(changes[name]) for name in knobs]
+
+    rows = [ChangesRow("Today", "", "", [ChangeCell(rounded(improvement.today[name])) for name in knobs])]
+    rows += [
+        ChangesRow(d.id, "met" if d.met else "not_met", probability(d.probability), cells(d.changes))
+        for d in improvement.characteristics
+    ]
     if improvement.part:
-        cells = [element("th", "The part", scope="row"), element("td")]
-        cells += [_change_cell(improvement.part[name]) for name in knobs]
-        rows.append(element("tr", markup="".join(cells), class_="total"))
-    return markup_table(pose_error, rows)
+        rows.append(ChangesRow("The part", "total", "", cells(improvement.part)))
+    columns = [(f"{name.replace('_', ' ').capitalize()} / {knob_named(name).unit}", "num") for name in knobs]
+    return ChangesTable(columns, rows, improvement.left_out)
 
 
-def _change_cell(change: Change) -> str:
-    """A limit rounded to the side that keeps it; with what limits it for the pointer."""
+def _cell(change: Change) -> ChangeCell:
+    """A limit rounded to the side that keeps it; where no change will do, the best probability in brackets."""
     by = f"limited by {', '.join(change.limited_by)}" if change.limited_by else ""
     if change.interval is None:
-        text = DASH if change.best_probability is None else f"({probability(change.best_probability)})"
-        return element("td", text, class_="num hopeless", title=by)
+        best = DASH if change.best_probability is None else f"({probability(change.best_probability)})"
+        return ChangeCell(best, by, possible=False)
     low, high = change.interval
     if change.unlimited:
         text = "any" if not low else f"> {rounded(low)}"
@@ -44,4 +73,4 @@ def _change_cell(change: Change) -> str:
         text = DASH if low is None else f"≥ {rounded(low, up=True)}"
     else:
         text = f"≤ {rounded(high)}" if low is None else f"{rounded(low, up=True)} to {rounded(high)}"
-    return element("td", text, class_="num", title=by)
+    return ChangeCell(text, by)

@@ -22,13 +22,14 @@ class PlanDetails:
     Parameters
     ----------
     budgets, figures, laws
-        Of characteristics, by id, as far as they have some.
+        By id, for the characteristics that have them.
     views
-        Of viewpoints.
+        The view of each viewpoint.
     improvement
         What to improve with the viewpoints as they stand.
     most_views, most_laws
-        Of how many viewpoints and characteristics, the least sure first, views and laws are shown.
+        The largest number of viewpoints whose views are shown, and of characteristics, the least probable first, whose
+        laws are.
     """
 
     budgets: Mapping[str, ErrorBudget] = field(default_factory=dict)

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
-from html import escape
 from importlib.metadata import version
-from importlib.resources import files
-from string import Template
-from typing import Any
 
 from ...evaluation.requirement.allowed_error import Requirement
 from ...part import Part
@@ -18,33 +13,22 @@ from ...planning.plan import Plan
 from ...sensors import Camera, EdgeDetector
 from ..palette import DARK, LIGHT
 from ..pictures.part_scene import TRIANGLE_LIMIT, build_scene
-from ..wording import element, length, requirement_text
-from .budget_section import budget_section, figures_section, refinement_section
+from ..templating import Markup, render, render_page
+from ..wording import length, requirement_text
+from .budget_section import budget_section, capability_section, refinement_section
 from .changes import changes_table
 from .details import PlanDetails
 from .law_section import law_charts, law_section
-from .summary import summary_markup
-from .tables import characteristic_table, fact_table, viewpoint_table
+from .summary import summary_section
+from .tables import characteristics_section, viewpoints_section
 from .view_section import view_section
 
-__all__ = ["MOST_BYTES", "render_report", "resource", "script_data"]
-
+__all__ = ["MOST_BYTES", "render_report"]
 
 MOST_BYTES = 9_900_000
 """Of a report, so that it can be sent by mail."""
 
 _ATTEMPTS = 8
-
-
-def resource(name: str) -> str:
-    """A file that stands beside this one."""
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
-
-
-def script_data(data: Any) -> str:
-    """JSON that cannot end the script element it stands in, whatever strings it holds."""
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
-    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def _camera_facts(camera: Camera) -> dict[str, str]:
@@ -77,27 +61,8 @@ def _edge_detector_words(edge_detector: EdgeDetector) -> str:
     )
 
 
-def _notes(part: Part, remark: str) -> str:
-    notes = [*part.notes, remark] if remark else list(part.notes)
-    return element("ul", markup="".join(element("li", note) for note in notes), class_="notes") if notes else ""
-
-
-def _improvement_section(improvement: Improvement | None) -> str:
-    if improvement is None:
-        return ""
-    hint = (
-        "One thing changed alone, the viewpoints as they stand: with so much each characteristic is still "
-        "met, or would be. "
-        "Hatched: no such change will do; the probability is what is reached without that error. Other "
-        "viewpoints, which "
-        "viewgauge improve tries, may ask for less."
-    )
-    content = element("h2", "What to improve", id="improve") + element("p", hint, class_="hint")
-    content += changes_table(improvement)
-    if improvement.left_out:
-        names = ", ".join(improvement.left_out)
-        content += element("p", f"No camera or head error is in the way of {names}: they are not seen.", class_="hint")
-    return element("section", markup=content)
+def _improvement_section(improvement: Improvement | None) -> Markup:
+    return Markup() if improvement is None else render("improve_section.html", changes=changes_table(improvement))
 
 
 def render_report(
@@ -146,32 +111,27 @@ def _rendered(
     details: PlanDetails,
     triangles: int,
 ) -> str:
-    from plotly.offline import get_plotlyjs  # here: 5 MB that only a report needs
-
     scene, remark = build_scene(plan, part, camera, triangles)
     pictures = {
         **scene,
         "laws": law_charts(plan, details.laws, requirement.probability, details.most_laws),
         "themes": [asdict(LIGHT), asdict(DARK)],
     }
-    made_from = {**inputs, "viewgauge": version("viewgauge"), "Seed": str(plan.seed)}
-    return Template(resource("page.html")).substitute(
-        title=escape(title),
-        style=resource("page.css"),
-        requirement=escape(requirement_text(requirement)),
-        summary=summary_markup(plan),
-        notes=_notes(part, remark),
-        characteristics=characteristic_table(plan),
-        viewpoints=viewpoint_table(plan, part, camera),
-        refinement=refinement_section(plan),
+    return render_page(
+        "page.html",
+        pictures,
+        title=title,
+        requirement=requirement_text(requirement),
+        summary=summary_section(plan),
+        notes=[*part.notes, remark] if remark else part.notes,
+        characteristics=characteristics_section(plan),
+        viewpoints=viewpoints_section(plan, part, camera),
         views=view_section(details.views, requirement.probability, details.most_views),
         laws=law_section(plan, details.laws, details.most_laws),
         budget=budget_section(plan, details.budgets),
         improvement=_improvement_section(details.improvement),
-        figures=figures_section(plan, details.figures),
-        camera=fact_table(_camera_facts(camera)),
-        inputs=fact_table(made_from),
-        plotly=get_plotlyjs(),
-        scene=script_data(pictures),
-        view=resource("view.js"),
+        capability=capability_section(plan, details.figures),
+        refinement=refinement_section(plan),
+        camera=_camera_facts(camera),
+        inputs={**inputs, "viewgauge": version("viewgauge"), "Seed": str(plan.seed)},
     )

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter
 
 from ...planning.plan import Plan
-from ..wording import DASH, element, probability
+from ..templating import Markup, render
+from ..wording import DASH, probability
 
-__all__ = ["summary_markup", "verdict"]
+__all__ = ["summary_section", "verdict"]
 
 NAMES_SHOWN = 6
 
@@ -33,7 +34,7 @@ def _missing(plan: Plan) -> str:
     """The names of what is missing, as many as fit."""
     names = [characteristic.id for characteristic in plan.characteristics if characteristic.status != "met"]
     if not names:
-        return "as accurately and surely as required"
+        return "each with the required accuracy and probability"
     more = len(names) - NAMES_SHOWN
     return "missing: " + ", ".join(names[:NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
 
@@ -54,25 +55,16 @@ def _unfinished(plan: Plan) -> str:
     return "; interrupted: the best so far" if plan.interrupted else ""
 
 
-def _card(label: str, value: str, remark: str) -> str:
-    parts = (("div", label, "label"), ("div", value, "value"), ("div", remark, "remark"))
-    return element("div", markup="".join(element(tag, text, class_=kind) for tag, text, kind in parts), class_="card")
-
-
-def summary_markup(plan: Plan) -> str:
+def summary_section(plan: Plan) -> Markup:
     """The verdict and four figures: characteristics met, viewpoints, weakest characteristic, candidates."""
     text, good = verdict(plan)
     met = [characteristic for characteristic in plan.characteristics if characteristic.status == "met"]
     weakest = min(met, key=lambda characteristic: characteristic.probability, default=None)
+    lowest = (DASH, "none met") if weakest is None else (weakest.id, f"probability {probability(weakest.probability)}")
     cards = (
-        _card("Characteristics met", f"{len(met)} of {len(plan.characteristics)}", _missing(plan)),
-        _card("Camera viewpoints", str(plan.count), _optimality(plan)),
-        _card("Least sure of those met", *_weakest(weakest.id, weakest.probability) if weakest else (DASH, "none met")),
-        _card("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
+        ("Characteristics met", f"{len(met)} of {len(plan.characteristics)}", _missing(plan)),
+        ("Camera viewpoints", str(plan.count), _optimality(plan)),
+        ("Least probable of those met", *lowest),
+        ("Candidates tried", f"{plan.candidate_count:,}", f"seed {plan.seed}{_unfinished(plan)}"),
     )
-    mark = element("p", ("✓ " if good else "✗ ") + text, class_=f"verdict {'good' if good else 'bad'}")
-    return mark + element("div", markup="".join(cards), class_="cards")
-
-
-def _weakest(name: str, value: float) -> tuple[str, str]:
-    return name, f"probability {probability(value)}"
+    return render("summary.html", verdict=text, good=good, cards=cards)

@@ -1,4 +1,9 @@
-"""A coarser mesh for the picture."""
+"""A coarser mesh for the picture.
+
+Vertices are merged cell by cell, which reaches any limit and moves no vertex farther than a cell's diagonal. Collapsing
+edges by quadric error metrics (fast-simplification 0.2) was tried: on the long thin triangles of tessellated CAD faces
+it missed a sixth of the triangles by a quarter, and a housing's round bosses became spikes 2 % of its size away.
+"""
 
 from __future__ import annotations
 

@@ -20,18 +20,18 @@
   }
   function draw(id, picture) {
     drawn = drawn.filter((other) => other.id !== id).concat({ id, picture });
-    const { data, layout, viewpoints } = picture(fresh());
-    return Plotly.react(id, data, layout, viewpoints);
+    const { data, layout, options } = picture(fresh());
+    return Plotly.react(id, data, layout, options);
   }
   function closeup(scene) {
-    return { data: scene.part, layout: scene.layout, viewpoints: config };
+    return { data: scene.part, layout: scene.layout, options: config };
   }
   function overview(scene) {
     for (const trace of scene.part) {
       trace.showlegend = false;
       if (trace.type === "scatter3d") trace.mode = "lines"; // too small here for marks and names
     }
-    return { data: scene.part.concat(scene.cameras), layout: scene.layout, viewpoints: config };
+    return { data: scene.part.concat(scene.cameras), layout: scene.layout, options: config };
   }
   draw("closeup", closeup);
   draw("overview", overview);
@@ -40,7 +40,7 @@
     law.addEventListener("toggle", () => {
       for (const half of [0, 1]) {
         const id = `${law.dataset.law}-${half}`;
-        if (law.open) draw(id, (scene) => ({ ...scene.laws[law.dataset.law][half], viewpoints: quiet }));
+        if (law.open) draw(id, (scene) => ({ ...scene.laws[law.dataset.law][half], options: quiet }));
         else drawn = drawn.filter((other) => other.id !== id);
       }
     });

@@ -1,0 +1,15 @@
+"""The order in which reports list characteristics, and the words for their states."""
+
+from __future__ import annotations
+
+from ...planning.plan import Plan, PlannedCharacteristic, Status
+
+__all__ = ["STATUS_WORDS", "ranked"]
+
+STATUS_WORDS: dict[Status, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
+
+
+def ranked(plan: Plan) -> list[PlannedCharacteristic]:
+    """Not met, not measurable, then met; within each the least probable first."""
+    order = list(STATUS_WORDS)
+    return sorted(plan.characteristics, key=lambda d: (order.index(d.status), d.probability))
