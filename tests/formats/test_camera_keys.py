@@ -131,7 +131,7 @@ BAD = [
     (OWN + "  edge_detector: {nosie: 0.1 px}", "camera.edge_detector.nosie", "did you mean 'noise'?"),
     (OWN + "  edge_detector: subpixel", "camera.edge_detector", "not a section of keys"),
     (
-        OWN + "  edge_detector: {noise: 0.1 px}\n  edge_detector: {quantization: 0.1 px}",
+        OWN + "  edge_detector: {noise: 0.1 px, quantization: 0.1 px}",
         "camera.edge_detector.quantization",
         "takes the place",
     ),
@@ -152,7 +152,7 @@ BAD = [
     (FILED + "  focal_length: 16 mm", "camera.focal_length", "the calibration file says it"),
     (FILED + "  distortion: [0, 0, 0, 0]", "camera.distortion", "the calibration file says it"),
     (FILED + "  resolution: [640, 480]", "camera.resolution", "images of another size"),
-    (FILED.replace("3.45 um", "[3.45, 4] um"), "camera.pixel_pitch", "of another shape"),
+    (FILED.replace("3.45 um", "'[3.45, 4] um'"), "camera.pixel_pitch", "of another shape"),
     (FILED.replace("camera.yaml", "none.yaml"), "camera.calibration", "does not exist"),
     (FILED.replace("camera.yaml", ""), "camera.calibration", "no value"),
     (FILED + "  calibration_camera: cam7", None, "one camera without a name"),

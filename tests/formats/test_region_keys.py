@@ -26,7 +26,7 @@ def test_places_are_read(tmp_path):
     options = read(
         tmp_path,
         """\
-  box: {lowest: "[-300, -300, 5] mm", highest: [30, 30, 70] cm}
+  box: {lowest: "[-300, -300, 5] mm", highest: "[30, 30, 70] cm"}
   hemisphere: {centre: "[0, 0, 10] mm", axis: [0, 1, 1], radius: 0.6 m}
   forbidden:
     - {lowest: "[0, 0, 0] mm", highest: "[100, 100, 100] mm"}

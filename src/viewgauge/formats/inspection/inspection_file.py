@@ -288,13 +288,13 @@ class _Reader:
             return None
         where = ("pose_uncertainty",)
         section = validate(PoseUncertaintySection, self.sections["pose_uncertainty"], where, self.problems)
-        pose = None
-        if (value := self._below("pose_uncertainty", "frame")) is not None:
-            pose_section = validate(FrameSection, value, (*where, "frame"), self.problems)
+        pose, common, stated = None, None, self.sections["pose_uncertainty"]
+        if isinstance(stated, dict) and "frame" in stated:
+            pose_section = validate(FrameSection, stated["frame"], (*where, "frame"), self.problems)
             pose = build(pose_section.build, (*where, "frame"), self.problems) if pose_section else None
             if pose is None:
                 section = None
-        covariance, common, stated = self._error(section, where, probability), None, self.sections["pose_uncertainty"]
+        covariance = self._error(section, where, probability)
         if isinstance(stated, dict) and "common" in stated:
             common_section = validate(ErrorSection, stated["common"], (*where, "common"), self.problems)
             common = self._error(common_section, (*where, "common"), probability)
