@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ...exceptions import PartFileError
 from ...part import Mesh
-from .orientation import is_watertight, oriented_outward
+from .orientation import oriented_outward
+from .watertight import is_watertight
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
@@ -40,7 +41,7 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[Mesh, tuple[str, ...]]:
     triangles = merged.reshape(-1)[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    if len(triangles) and is_watertight(triangles):
+    if is_watertight(triangles):
         outward = oriented_outward(vertices, triangles)
         if (turned := int((outward != triangles).any(axis=1).sum())) > 0:
             notes.append(f"{turned} of {given} triangles faced inward and were turned")
