@@ -11,7 +11,9 @@ import viewgauge as vg
 from viewgauge.execution.chunks import EvaluationJob, candidate_grid
 from viewgauge.execution.fingerprint import job_fingerprint
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
+from viewgauge.part import Mesh, Part
 
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 
 # the lines are asserted below
@@ -47,6 +49,10 @@ def read(tmp_path, text):
     return read_inspection_file(path)
 
 
+def averaged_viewpoints(file):
+    return file.inspection(PART).averaged_viewpoints
+
+
 def changed(old, new, base=FILE):
     assert old in base
     return base.replace(old, new)
@@ -58,36 +64,35 @@ def written(matrix):
 
 def test_the_two_parts_make_up_the_error_of_an_acquisition(tmp_path):
     file = read(tmp_path, FILE)
-    assert file.averaged_viewpoints == 3
-    np.testing.assert_allclose(file.pose_error.common_covariance, MATRIX, rtol=1e-14)
-    np.testing.assert_allclose(file.pose_error.repeatability_covariance, OWN, rtol=1e-12)
-    np.testing.assert_allclose(file.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
-    assert file.pose_error.T_camera_frame[:3, 3].tolist() == [0.0, 0.0, -16.0]
-    assert file.common_covariance_file is None
+    assert averaged_viewpoints(file) == 3
+    np.testing.assert_allclose(file.setup.pose_error.common_covariance, MATRIX, rtol=1e-14)
+    np.testing.assert_allclose(file.setup.pose_error.repeatability_covariance, OWN, rtol=1e-12)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+    assert file.setup.pose_error.T_camera_frame[:3, 3].tolist() == [0.0, 0.0, -16.0]
+    assert file.other_files == ()
 
 
 def test_either_part_may_come_from_a_file(tmp_path):
     (tmp_path / "common.yaml").write_text(written(MATRIX))
     file = read(tmp_path, changed(COMMON, BY_FILE))
-    np.testing.assert_allclose(file.pose_error.common_covariance, MATRIX, rtol=1e-14)
-    assert file.common_covariance_file == tmp_path / "common.yaml"
-    assert file.covariance_file is None
+    np.testing.assert_allclose(file.setup.pose_error.common_covariance, MATRIX, rtol=1e-14)
+    assert file.other_files == (tmp_path / "common.yaml",)
     (tmp_path / "own.yaml").write_text(written(OWN))
     both = read(tmp_path, changed("  translation: 0.1 mm\n  rotation: 1 mrad\n", "  covariance: own.yaml\n"))
-    np.testing.assert_allclose(both.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
-    assert both.covariance_file == tmp_path / "own.yaml"
+    np.testing.assert_allclose(both.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+    assert both.other_files == (tmp_path / "own.yaml",)
 
 
 def test_a_common_part_without_averaging_is_planned_with_the_whole(tmp_path):
     file = read(tmp_path, changed("averaging:\n  viewpoints: 3\n", ""))
-    assert file.averaged_viewpoints == 1
-    np.testing.assert_allclose(file.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+    assert averaged_viewpoints(file) == 1
+    np.testing.assert_allclose(file.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
 
 
 def test_without_either_key_nothing_is_said_of_a_common_part(tmp_path):
     file = read(tmp_path, changed("averaging:\n  viewpoints: 3\n", "", changed(COMMON, "")))
-    assert (file.averaged_viewpoints, file.pose_error.common_covariance) == (1, None)
-    np.testing.assert_allclose(file.pose_error.covariance, OWN, rtol=1e-14)
+    assert (averaged_viewpoints(file), file.setup.pose_error.common_covariance) == (1, None)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, OWN, rtol=1e-14)
 
 
 @pytest.mark.parametrize("pose_error", ["common", "own"])
@@ -95,7 +100,7 @@ def test_no_error_may_be_stated_for_either_part(tmp_path, pose_error):
     text = changed(COMMON, "  common: {translation: 0 mm, rotation: 0 deg}\n")
     if pose_error == "own":
         text = changed("  translation: 0.1 mm\n  rotation: 1 mrad\n", "  translation: 0 mm\n  rotation: 0 rad\n")
-    error = read(tmp_path, text).pose_error
+    error = read(tmp_path, text).setup.pose_error
     part = error.common_covariance if pose_error == "common" else error.repeatability_covariance
     np.testing.assert_array_equal(part, np.zeros((6, 6)))
 

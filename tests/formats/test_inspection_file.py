@@ -9,9 +9,12 @@ from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import CharacteristicEntry, read_inspection_file
 from viewgauge.geometry import PoseError
+from viewgauge.part import Mesh, Part
 from viewgauge.planning.candidates.candidate_options import CandidateOptions
 from viewgauge.sensors import Camera
 from viewgauge.visibility.limits import ObservationLimits
+
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 
 # interface.md, word for word; long lines as there
 CONTRACT = """\
@@ -75,9 +78,9 @@ def read(tmp_path, text):
     return read_inspection_file(path)
 
 
-def position(inspection):
+def position(file):
     """Of the frame in which the pose error acts, mm, camera frame."""
-    return inspection.pose_error.T_camera_frame[:3, 3].tolist()
+    return file.setup.pose_error.T_camera_frame[:3, 3].tolist()
 
 
 def changed(old, new, base=MINIMAL):
@@ -101,33 +104,33 @@ def error_of(tmp_path, text):
 
 
 def test_the_contract_example_is_read_as_written(tmp_path):
-    inspection = read(tmp_path, CONTRACT)
-    assert inspection.path == tmp_path / "inspection.yaml"
-    assert inspection.part_file == tmp_path / "slotted_block.step"
-    assert inspection.characteristics == (
+    file = read(tmp_path, CONTRACT)
+    assert file.path == tmp_path / "inspection.yaml"
+    assert file.part_file == tmp_path / "slotted_block.step"
+    assert file.characteristics == (
         CharacteristicEntry("E2", ((0.0, 0.0, 40.0), (60.0, 0.0, 40.0)), (-0.1, 0.1), "ends", line=4),
     )
-    assert not inspection.characteristics[0].is_override
-    assert inspection.general_tolerance_mm is None
-    assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
+    assert not file.characteristics[0].is_override
+    assert file.general_tolerance_mm is None
+    assert file.setup.camera == Camera(16, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
     expected = PoseError.from_standard_deviations(0.1, np.deg2rad(0.02), pivot_mm=(0, 0, -16))
-    np.testing.assert_allclose(inspection.pose_error.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
-    assert position(inspection) == [0.0, 0.0, -16.0]
-    assert inspection.requirement == Requirement("accuracy", 0.99, 0.95)
-    assert inspection.candidates == CandidateOptions(distance_mm=(300.0, 600.0), directions=200, rolls=4)
-    assert inspection.viewpoints_file == tmp_path / "poses.csv"
-    assert inspection.covariance_file is None
-    assert inspection.limits == ObservationLimits()
-    assert inspection.seed == 0
+    np.testing.assert_allclose(file.setup.pose_error.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
+    assert position(file) == [0.0, 0.0, -16.0]
+    assert file.setup.requirement == Requirement("accuracy", 0.99, 0.95)
+    assert file.inspection(PART).candidates == CandidateOptions(distance_mm=(300.0, 600.0), directions=200, rolls=4)
+    assert file.viewpoints_file == tmp_path / "poses.csv"
+    assert file.other_files == ()
+    assert file.setup.limits == ObservationLimits()
+    assert file.inspection(PART).seed == 0
 
 
 def test_the_least_file_takes_the_defaults(tmp_path):
-    inspection = read(tmp_path, MINIMAL)
-    assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048))
-    assert inspection.candidates == CandidateOptions()
-    assert inspection.viewpoints_file is None
-    assert inspection.characteristics == ()
-    assert position(inspection) == [0.0, 0.0, 0.0]
+    file = read(tmp_path, MINIMAL)
+    assert file.setup.camera == Camera(16, (0.00345, 0.00345), (2448, 2048))
+    assert file.inspection(PART).candidates == CandidateOptions()
+    assert file.viewpoints_file is None
+    assert file.characteristics == ()
+    assert position(file) == [0.0, 0.0, 0.0]
 
 
 def test_every_optional_key(tmp_path):
@@ -170,27 +173,27 @@ observation:
   minimum_length: 20 px
   grazing_angle: 0.1 rad
 """
-    inspection = read(tmp_path, text)
-    assert inspection.part_file is None
-    assert inspection.characteristics == (
+    file = read(tmp_path, text)
+    assert file.part_file is None
+    assert file.characteristics == (
         CharacteristicEntry("A", ((0.0, 0.0, 40.0), (60.0, 0.0, 40.0)), None, "whole", line=4),
         CharacteristicEntry("PMI/1", None, (-0.05, 0.1), None, line=5),
         CharacteristicEntry("PMI/2", None, None, "whole", line=7),
     )
-    assert [entry.is_override for entry in inspection.characteristics] == [False, True, True]
-    assert inspection.general_tolerance_mm == (-0.1, 0.1)
-    assert inspection.camera == Camera(25.4, (0.00345, 0.0035), (2448, 2048), 0.1, (1200.0, 1000.5), 8.0, 450.0, 2.0)
-    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
+    assert [entry.is_override for entry in file.characteristics] == [False, True, True]
+    assert file.general_tolerance_mm == (-0.1, 0.1)
+    assert file.setup.camera == Camera(25.4, (0.00345, 0.0035), (2448, 2048), 0.1, (1200.0, 1000.5), 8.0, 450.0, 2.0)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
     np.testing.assert_array_equal(
-        inspection.pose_error.T_camera_frame, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
+        file.setup.pose_error.T_camera_frame, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
     )
-    assert inspection.requirement == Requirement("fraction_of_tolerance", 0.1, 0.95)
-    assert inspection.candidates == CandidateOptions(
+    assert file.setup.requirement == Requirement("fraction_of_tolerance", 0.1, 0.95)
+    assert file.inspection(PART).candidates == CandidateOptions(
         (400.0, 400.0), 1, 50, 3, 0, cone_axis=(0.0, 1.0, 1.0), cone_half_angle_rad=np.pi
     )
-    assert inspection.viewpoints_file == Path("/data/poses.csv")
-    assert inspection.limits == ObservationLimits(0.0, 20.0, 0.1)
-    assert inspection.seed == 7
+    assert file.viewpoints_file == Path("/data/poses.csv")
+    assert file.setup.limits == ObservationLimits(0.0, 20.0, 0.1)
+    assert file.inspection(PART).seed == 7
 
 
 @pytest.mark.parametrize(
@@ -223,18 +226,18 @@ def test_text_that_looks_like_a_list_with_unit_stays_as_it_is(tmp_path, name):
 
 def test_an_empty_optional_section_is_as_good_as_none(tmp_path):
     text = changed("part:\n  file: part.step\n", "part:\n") + "candidates:\n  # rolls: 2\nobservation:\n"
-    inspection = read(tmp_path, text)
-    assert inspection.part_file is None
-    assert inspection.candidates == CandidateOptions()
+    file = read(tmp_path, text)
+    assert file.part_file is None
+    assert file.inspection(PART).candidates == CandidateOptions()
 
 
 def test_a_repeated_scalar_may_be_an_alias(tmp_path):
     text = changed("translation: 0.1 mm", "translation: &t 0.1 mm").replace("error: 0.05 mm", "error: *t")
-    assert read(tmp_path, text).requirement.value == 0.1
+    assert read(tmp_path, text).setup.requirement.value == 0.1
 
 
 def test_byte_order_mark(tmp_path):
-    assert read(tmp_path, "\ufeff" + MINIMAL).seed == 0
+    assert read(tmp_path, "\ufeff" + MINIMAL).inspection(PART).seed == 0
 
 
 BAD_TEXTS = [
@@ -581,16 +584,16 @@ def with_covariance(tmp_path, text):
 
 
 def test_covariance_rows(tmp_path):
-    inspection = read(with_covariance(tmp_path, IDENTITY), COVARIANCE)
-    np.testing.assert_array_equal(inspection.pose_error.covariance, np.eye(6))
-    assert inspection.covariance_file == tmp_path / "c.yaml"
+    file = read(with_covariance(tmp_path, IDENTITY), COVARIANCE)
+    np.testing.assert_array_equal(file.setup.pose_error.covariance, np.eye(6))
+    assert file.other_files == (tmp_path / "c.yaml",)
 
 
 def test_covariance_with_order_and_units(tmp_path):
     rows = "\n".join(f"  - {row}" for row in np.diag([4.0, 5.0, 6.0, 1.0, 2.0, 3.0]).tolist())
     text = f"units: [um, mrad]\norder: rotation first\ncovariance:\n{rows}\n"
-    inspection = read(with_covariance(tmp_path, text), COVARIANCE)
-    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
+    file = read(with_covariance(tmp_path, text), COVARIANCE)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
 
 
 def test_covariance_with_a_pose(tmp_path):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
+from viewgauge.part import Mesh, Part
 from viewgauge.planning.region.allowed_region import Hemisphere
 
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 BASE = """\
 camera: {focal_length: 16 mm, pixel_pitch: 3.45 um, resolution: [2448, 2048]}
 pose_uncertainty: {translation: 0.1 mm, rotation: 0.02 deg}
@@ -19,7 +22,7 @@ candidates:
 def read(folder, text):
     path = folder / "inspection.yaml"
     path.write_text(BASE + text)
-    return read_inspection_file(path)
+    return read_inspection_file(path).inspection(PART)
 
 
 def test_places_are_read(tmp_path):

@@ -74,32 +74,18 @@ def load(
 
 def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
     from ..formats.poses.viewpoints_file import read_viewpoints
-    from ..planning.inspection import ExplicitViewpoints, Inspection
+    from ..planning.inspection import ExplicitViewpoints
 
     viewpoints = None
     if file.viewpoints_file is not None:
         ids, poses = read_viewpoints(file.viewpoints_file)
         viewpoints = ExplicitViewpoints(ids, poses)
-    used = (
-        file.path,
-        part_path,
-        file.viewpoints_file,
-        file.covariance_file,
-        file.common_covariance_file,
-        file.calibration_file,
-    )
-    return Inspection(
+    used = (file.path, part_path, file.viewpoints_file, *file.other_files)
+    return file.inspection(
+        part,
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
-        part=part,
-        camera=file.camera,
-        pose_error=file.pose_error,
-        requirement=file.requirement,
-        candidates=file.candidates,
-        limits=file.limits,
         viewpoints=viewpoints,
-        seed=file.seed,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
-        averaged_viewpoints=file.averaged_viewpoints,
     )
 
 

@@ -1,20 +1,20 @@
-"""The keys of the inspection file's section ``requirement``, and of the two sections below it."""
+"""The section ``requirement``, and the two sections below it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import ConfigDict, Field, JsonValue
 
 from ...evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
 from ...evaluation.requirement.decision_risks import Rule
 from ...exceptions import InputError
 from ..files.problems import Problems
-from .sections import AnyLength, Length, Ratio, Section
 from .validation import build, validate
+from .values import AnyLength, Apart, Length, Ratio, Section
 
-__all__ = ["read_requirement"]
+__all__ = ["RequirementSection", "read_requirement"]
 
 
 def read_requirement(value: object, problems: Problems) -> Requirement | None:
@@ -47,19 +47,33 @@ def _read_conformance(value: object, problems: Problems) -> Requirement | None:
     return build(section.build, where, problems, process) if section and process else None
 
 
-class CapabilitySection(Section):
-    """The capability that the measurand must have."""
+_INDICES = ("percent_p_to_t", "cg", "cgk")
+_OWN_KINDS, _KINDS_BELOW = ("accuracy", "error", "fraction_of_tolerance"), ("capability", "conformance")
+_OWN_SCHEMAS: list[JsonValue] = [{"required": [name, "probability"]} for name in _OWN_KINDS]
+_SCHEMAS_BELOW: list[JsonValue] = [{"required": [name], "properties": {"probability": False}} for name in _KINDS_BELOW]
 
-    percent_p_to_t: Ratio | None = None
-    cg: Ratio | None = None
-    cgk: Ratio | None = None
-    sigmas: Ratio | None = None
-    share: Ratio | None = None
-    bias: AnyLength | None = None
+
+class CapabilitySection(Section):
+    """The capability that the measurement must have."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [name]} for name in _INDICES]})
+
+    percent_p_to_t: Ratio | None = Field(
+        default=None, description="the precision-to-tolerance ratio, at most this, such as 10 %"
+    )
+    cg: Ratio | None = Field(default=None, description="the capability index Cg, at least this, such as 1.33")
+    cgk: Ratio | None = Field(default=None, description="the capability index Cgk, at least this, such as 1.33")
+    sigmas: Ratio | None = Field(
+        default=None, description="how many standard deviations the index takes as the measurement's spread, such as 6"
+    )
+    share: Ratio | None = Field(
+        default=None, description="which share of the tolerance the index compares with, such as 20 %"
+    )
+    bias: AnyLength | None = Field(default=None, description="the measurement's bias, such as 0.002 mm; with cgk")
 
     def build(self) -> CapabilityRequirement:
         """The requirement; raises InputError."""
-        kind, value = _only_one({name: getattr(self, name) for name in ("percent_p_to_t", "cg", "cgk")}, "index")
+        kind, value = _only_one({name: getattr(self, name) for name in _INDICES}, "index")
         options = {"sigmas": self.sigmas, "share": self.share, "bias_mm": self.bias}
         return CapabilityRequirement(kind, value, **{k: v for k, v in options.items() if v is not None})
 
@@ -67,9 +81,19 @@ class CapabilitySection(Section):
 class ProcessSection(Section):
     """How the parts come out of manufacture."""
 
-    standard_deviation: Length | None = None
-    capability: Ratio | None = None
-    offset: AnyLength = 0.0
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["standard_deviation"]}, {"required": ["capability"]}]}
+    )
+
+    standard_deviation: Length | None = Field(
+        default=None, description="the standard deviation of the parts' true sizes, such as 0.02 mm"
+    )
+    capability: Ratio | None = Field(
+        default=None, description="the process's capability index Cp, such as 1.33, in place of standard_deviation"
+    )
+    offset: AnyLength = Field(
+        default=0.0, description="from the middle of the tolerance zone to the mean of the parts, by default 0 mm"
+    )
 
     def build(self) -> Process:
         """The process; raises InputError."""
@@ -79,11 +103,27 @@ class ProcessSection(Section):
 class ConformanceSection(Section):
     """Limits on wrong decisions; the process is read apart."""
 
-    rule: Rule = Field(description="simple, guarded or guarded_rejection")
-    guard: Ratio | None = None
-    process: Any = Field(description="a section with standard_deviation or capability")
-    consumer_risk: Ratio | None = None
-    producer_risk: Ratio | None = None
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [{"required": ["consumer_risk"]}, {"required": ["producer_risk"]}],
+            "if": {"properties": {"rule": {"const": "simple"}}},
+            "then": {"properties": {"guard": False}},
+        }
+    )
+
+    rule: Rule = Field(description="the decision rule: simple, guarded or guarded_rejection")
+    guard: Ratio | None = Field(
+        default=None, description="the guard band as a multiple of the expanded uncertainty, by default 1"
+    )
+    process: Annotated[Any, Apart(ProcessSection)] = Field(
+        description="how the parts come out of manufacture: a section with standard_deviation or capability"
+    )
+    consumer_risk: Ratio | None = Field(
+        default=None, description="the greatest probability of accepting a part that does not conform, such as 0.1 %"
+    )
+    producer_risk: Ratio | None = Field(
+        default=None, description="the greatest probability of rejecting a part that conforms, such as 1 %"
+    )
 
     def build(self, process: Process) -> ConformanceRequirement:
         """The requirement; raises InputError."""
@@ -99,14 +139,26 @@ class ConformanceSection(Section):
 
 
 class RequirementSection(Section):
-    """How accurately and how surely a characteristic has to be measured; the sections below are read apart."""
+    """How accurately a characteristic must be measured, and with what probability; sections below are read apart."""
 
-    accuracy: Ratio | None = None
-    error: Length | None = None
-    fraction_of_tolerance: Ratio | None = None
-    capability: Any = None
-    conformance: Any = None
-    probability: Ratio | None = None
+    model_config = ConfigDict(json_schema_extra={"oneOf": [*_OWN_SCHEMAS, *_SCHEMAS_BELOW]})
+
+    accuracy: Ratio | None = Field(
+        default=None, description="1 minus the allowed error relative to the nominal value, such as 0.999"
+    )
+    error: Length | None = Field(default=None, description="the allowed error: a length, such as 0.05 mm")
+    fraction_of_tolerance: Ratio | None = Field(
+        default=None, description="the allowed error as a share of half the tolerance zone's width, such as 10 %"
+    )
+    capability: Annotated[Any, Apart(CapabilitySection)] = Field(
+        default=None, description="a capability that the measurement must have, in place of an allowed error"
+    )
+    conformance: Annotated[Any, Apart(ConformanceSection)] = Field(
+        default=None, description="limits on the risks of wrong decisions, in place of an allowed error"
+    )
+    probability: Ratio | None = Field(
+        default=None, description="the probability of keeping to the allowed error: a ratio, such as 0.95"
+    )
 
     def build(self, below: Mapping[str, Requirement]) -> Requirement:
         """The requirement, one of those built from the sections below if there is one; raises InputError.
@@ -116,8 +168,7 @@ class RequirementSection(Section):
         below
             By the name of their section.
         """
-        names = ("accuracy", "error", "fraction_of_tolerance", "capability", "conformance")
-        kind, value = _only_one({name: getattr(self, name) for name in names}, "requirement")
+        kind, value = _only_one({name: getattr(self, name) for name in (*_OWN_KINDS, *_KINDS_BELOW)}, "requirement")
         if kind in below:
             if self.probability is not None:
                 raise InputError(
