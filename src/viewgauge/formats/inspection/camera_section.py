@@ -51,12 +51,14 @@ class Optics:
 class UncertaintySection(Section):
     """Standard uncertainties of the calibration; without correlations, which a calibration file may state."""
 
-    focal_length: PixelsOrZeros = Field(description="of the focal length: one or two numbers of pixels, such as 0.5 px")
+    focal_length: PixelsOrZeros = Field(
+        description="the standard uncertainty of the focal length: one or two numbers of pixels, such as 0.5 px"
+    )
     principal_point: PixelsOrZeros = Field(
-        description="of the principal point: one or two numbers of pixels, such as 0.8 px"
+        description="the standard uncertainty of the principal point: one or two numbers of pixels, such as 0.8 px"
     )
     distortion: Coefficients = Field(
-        default=(), description="of each distortion coefficient: plain numbers; by default 0"
+        default=(), description="the standard uncertainty of each distortion coefficient: plain numbers; by default 0"
     )
 
     def covariance(self, coefficients: int) -> tuple[tuple[float, ...], ...]:

@@ -23,9 +23,11 @@ class EdgeDetectorSection(Section):
                 {"required": ["quantization"], "maxProperties": 1},
                 {
                     "required": ["noise"],
-                    "properties": dict.fromkeys(("signal_to_noise", "blur", "samples", "smoothing"), False),
+                    "properties": dict.fromkeys(
+                        ("quantization", "signal_to_noise", "blur", "samples", "smoothing"), False
+                    ),
                 },
-                {"required": ["signal_to_noise", "blur"], "properties": {"noise": False}},
+                {"required": ["signal_to_noise", "blur"], "properties": {"quantization": False, "noise": False}},
             ]
         }
     )

@@ -50,7 +50,7 @@ class CharacteristicEntry:
 
 _POINT = quantities_schema(LENGTH, (3,), "any")
 _PLAIN_POINT = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-_POINTS = {"type": "array", "items": {"anyOf": [_PLAIN_POINT, *_POINT["anyOf"]]}, "minItems": 2, "maxItems": 2}
+_POINTS = {"type": "array", "items": {"anyOf": [_PLAIN_POINT, _POINT]}, "minItems": 2, "maxItems": 2}
 
 
 class CharacteristicSection(Section):

@@ -15,6 +15,7 @@ from ...exceptions import InputError
 from ..files.units import ANGLE, LENGTH, PIXELS, RATIO, Kind, Sign, parse_quantities, parse_quantity, unit_names
 
 __all__ = [
+    "QUANTITIES",
     "Angle",
     "AngleDeviations",
     "AngleOrZero",
@@ -91,9 +92,13 @@ def is_number(value: object) -> bool:
 
 _UNSIGNED = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 
+QUANTITIES: dict[str, Schema] = {}
+"""The schema of each kind of quantity, by a name: where one stands, the whole schema refers to it by that name."""
+
 
 def _number(sign: Sign) -> str:
-    return (r"[+-]?" if sign == "any" else r"\+?") + _UNSIGNED
+    before = {"any": "[+-]?", "not negative": r"\+?", "positive": r"\+?(?=[\d.]*[1-9])"}
+    return before[sign] + _UNSIGNED
 
 
 def _units(kind: Kind) -> str:
@@ -101,25 +106,41 @@ def _units(kind: Kind) -> str:
     return f"({names})" if kind.unit else f"({names})?"
 
 
+def _text_schema(pattern: str, expected: str) -> Schema:
+    """A text of a pattern; editors that know ``patternErrorMessage`` say what is expected instead of showing it."""
+    return {"type": "string", "pattern": pattern, "patternErrorMessage": f"expected: {expected}"}
+
+
 def _quantity_schema(kind: Kind, sign: Sign) -> Schema:
-    text: Schema = {"type": "string", "pattern": rf"^\s*{_number(sign)}\s*{_units(kind)}\s*$"}
-    if kind.unit:
-        return text
-    bounds: dict[Sign, Schema] = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not negative": {"minimum": 0}}
-    return {"anyOf": [{"type": "number", **bounds[sign]}, text]}
+    expected = f"a {kind.name}{' with its unit' if kind.unit else ''}, such as {kind.example}"
+    schema = _text_schema(rf"^\s*{_number(sign)}\s*{_units(kind)}\s*$", expected)
+    if not kind.unit:
+        bounds: dict[Sign, Schema] = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not negative": {"minimum": 0}}
+        schema = {"anyOf": [{"type": "number", **bounds[sign]}, schema]}
+    return QUANTITIES.setdefault(_quantity_name(kind, (1,), sign), schema)
 
 
 def quantities_schema(kind: Kind, counts: tuple[int, ...], sign: Sign) -> Schema:
     """JSON Schema of what :func:`~viewgauge.formats.files.units.parse_quantities` reads."""
-    number, units = _number(sign), _units(kind)
-    options: list[Schema] = [_quantity_schema(kind, sign)] if 1 in counts else []
+    number, units, each = _number(sign), _units(kind), _quantity_schema(kind, sign)
+    options: list[Schema] = [each] if 1 in counts else []
     for count in counts:
         one_unit = rf"\[\s*{number}\s*(,\s*{number}\s*){{{count - 1}}}\]\s*{units}"
         own_units = rf"\[\s*{number}\s*{units}\s*(,\s*{number}\s*{units}\s*){{{count - 1}}}\]"
-        options.append({"type": "string", "pattern": rf"^\s*({one_unit}|{own_units})\s*$"})
-        each = _quantity_schema(kind, sign)
+        expected = f'{count} values with their unit, in quotes, such as "{kind.vector_example}"'
+        options.append(_text_schema(rf"^\s*({one_unit}|{own_units})\s*$", expected))
         options.append({"type": "array", "items": each, "minItems": count, "maxItems": count})
-    return {"anyOf": options}
+    return QUANTITIES.setdefault(_quantity_name(kind, counts, sign), {"anyOf": options})
+
+
+def _quantity_name(kind: Kind, counts: tuple[int, ...], sign: Sign) -> str:
+    """Such as ``positive_length``, or ``3_lengths``."""
+    words = [] if sign == "any" else sign.split()
+    numbers = [] if counts == (1,) else [*"_or_".join(map(str, counts)).split("_")]
+    noun = (
+        kind.name if counts == (1,) else kind.name.replace("number", "numbers") if " " in kind.name else f"{kind.name}s"
+    )
+    return "_".join([*numbers, *words, *noun.split()])
 
 
 # --- readers --------------------------------------------------------------------------------------------------------
@@ -248,7 +269,7 @@ AngleDeviations = Annotated[
 Tolerance = Annotated[
     tuple[float, float],
     BeforeValidator(_read_tolerance),
-    _as({"anyOf": [_quantity_schema(LENGTH, "positive"), *quantities_schema(LENGTH, (2,), "any")["anyOf"]]}),
+    _as({"anyOf": [_quantity_schema(LENGTH, "positive"), quantities_schema(LENGTH, (2,), "any")]}),
 ]
 DistanceRange = Annotated[
     tuple[float, float], BeforeValidator(_read_distance), _as(quantities_schema(LENGTH, (1, 2), "positive"))
@@ -260,7 +281,7 @@ Resolution = Annotated[
         {
             "anyOf": [
                 {"type": "array", "items": _PIXEL_COUNT, "minItems": 2, "maxItems": 2},
-                quantities_schema(PIXELS, (2,), "positive")["anyOf"][0],
+                quantities_schema(PIXELS, (2,), "positive"),
             ]
         }
     ),
