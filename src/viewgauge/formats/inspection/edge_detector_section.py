@@ -14,6 +14,9 @@ from .values import Pixels, PixelsOrZero, PositiveNumber, Section
 __all__ = ["EdgeDetectorSection"]
 
 
+_WITH_SIGNAL_TO_NOISE = ("signal_to_noise", "blur", "samples", "smoothing")
+
+
 class EdgeDetectorSection(Section):
     """How edges are found: by quantization (the paper's), or sub-pixel, with the noise of an edge point."""
 
