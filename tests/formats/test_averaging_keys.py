@@ -1,4 +1,4 @@
-"""The keys of several viewpoints: ``acquisitions`` and ``pose_uncertainty.common``."""
+"""The keys of several viewpoints: ``averaging`` and ``pose_uncertainty.common``."""
 
 import shutil
 from dataclasses import replace
@@ -7,18 +7,37 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import inspections
 import viewgauge as vg
-from inspections import MINIMAL
 from viewgauge.execution.chunks import EvaluationJob, candidate_grid
 from viewgauge.execution.fingerprint import job_fingerprint
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
+from viewgauge.part import Mesh, Part
 
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "slotted_block"
 
-COMMON = "  common:\n    translation: '[0.2, 0.3, 0.4] mm'\n    rotation: 2 mrad\n"
-POSE_ERROR = "  rotation: 1 mrad\n" + COMMON + "  frame: {position: '[0, 0, -16] mm'}\nlooks:\n  most: 3\n"
-FILE = inspections.changed("  rotation: 0.02 deg\n", POSE_ERROR, MINIMAL)
+# the lines are asserted below
+FILE = """\
+part:
+  file: part.step
+camera:
+  focal_length: 16 mm
+  pixel_pitch: 3.45 um
+  resolution: [2448, 2048]
+pose_uncertainty:
+  translation: 0.1 mm
+  rotation: 1 mrad
+  common:
+    translation: "[0.2, 0.3, 0.4] mm"
+    rotation: 2 mrad
+  frame: {position: "[0, 0, -16] mm"}
+averaging:
+  viewpoints: 3
+requirement:
+  error: 0.05 mm
+  probability: 0.95
+"""
+COMMON = '  common:\n    translation: "[0.2, 0.3, 0.4] mm"\n    rotation: 2 mrad\n'
 BY_FILE = "  common:\n    covariance: common.yaml\n"
 MATRIX = np.diag([0.04, 0.09, 0.16, 4e-6, 4e-6, 4e-6])
 OWN = np.diag([0.01] * 3 + [1e-6] * 3)
@@ -30,46 +49,50 @@ def read(tmp_path, text):
     return read_inspection_file(path)
 
 
+def averaged_viewpoints(file):
+    return file.inspection(PART).averaged_viewpoints
+
+
 def changed(old, new, base=FILE):
-    return inspections.changed(old, new, base)
+    assert old in base
+    return base.replace(old, new)
 
 
 def written(matrix):
     return "".join(f"- {row}\n" for row in np.asarray(matrix).tolist())
 
 
-def test_the_two_parts_make_up_the_error_of_a_acquisition(tmp_path):
+def test_the_two_parts_make_up_the_error_of_an_acquisition(tmp_path):
     file = read(tmp_path, FILE)
-    assert file.acquisitions == 3
-    np.testing.assert_allclose(file.pose_error.common_covariance, MATRIX, rtol=1e-14)
-    np.testing.assert_allclose(file.pose_error.repeatability_covariance, OWN, rtol=1e-12)
-    np.testing.assert_allclose(file.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
-    assert file.pose_error.pivot_mm == (0.0, 0.0, -16.0)
-    assert file.common_covariance_file is None
+    assert averaged_viewpoints(file) == 3
+    np.testing.assert_allclose(file.setup.pose_error.common_covariance, MATRIX, rtol=1e-14)
+    np.testing.assert_allclose(file.setup.pose_error.repeatability_covariance, OWN, rtol=1e-12)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+    assert file.setup.pose_error.T_camera_frame[:3, 3].tolist() == [0.0, 0.0, -16.0]
+    assert file.other_files == ()
 
 
 def test_either_part_may_come_from_a_file(tmp_path):
     (tmp_path / "common.yaml").write_text(written(MATRIX))
     file = read(tmp_path, changed(COMMON, BY_FILE))
-    np.testing.assert_allclose(file.pose_error.common_covariance, MATRIX, rtol=1e-14)
-    assert file.common_covariance_file == tmp_path / "common.yaml"
-    assert file.covariance_file is None
+    np.testing.assert_allclose(file.setup.pose_error.common_covariance, MATRIX, rtol=1e-14)
+    assert file.other_files == (tmp_path / "common.yaml",)
     (tmp_path / "own.yaml").write_text(written(OWN))
     both = read(tmp_path, changed("  translation: 0.1 mm\n  rotation: 1 mrad\n", "  covariance: own.yaml\n"))
-    np.testing.assert_allclose(both.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
-    assert both.covariance_file == tmp_path / "own.yaml"
+    np.testing.assert_allclose(both.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+    assert both.other_files == (tmp_path / "own.yaml",)
 
 
-def test_a_common_part_without_acquisitions_is_planned_with_the_whole(tmp_path):
-    file = read(tmp_path, changed("acquisitions:\n  most: 3\n", ""))
-    assert file.acquisitions == 1
-    np.testing.assert_allclose(file.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
+def test_a_common_part_without_averaging_is_planned_with_the_whole(tmp_path):
+    file = read(tmp_path, changed("averaging:\n  viewpoints: 3\n", ""))
+    assert averaged_viewpoints(file) == 1
+    np.testing.assert_allclose(file.setup.pose_error.covariance, MATRIX + OWN, rtol=1e-14)
 
 
 def test_without_either_key_nothing_is_said_of_a_common_part(tmp_path):
-    file = read(tmp_path, changed("acquisitions:\n  most: 3\n", "", changed(COMMON, "")))
-    assert (file.acquisitions, file.pose_error.common_covariance) == (1, None)
-    np.testing.assert_allclose(file.pose_error.covariance, OWN, rtol=1e-14)
+    file = read(tmp_path, changed("averaging:\n  viewpoints: 3\n", "", changed(COMMON, "")))
+    assert (averaged_viewpoints(file), file.setup.pose_error.common_covariance) == (1, None)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, OWN, rtol=1e-14)
 
 
 @pytest.mark.parametrize("pose_error", ["common", "own"])
@@ -77,23 +100,23 @@ def test_no_error_may_be_stated_for_either_part(tmp_path, pose_error):
     text = changed(COMMON, "  common: {translation: 0 mm, rotation: 0 deg}\n")
     if pose_error == "own":
         text = changed("  translation: 0.1 mm\n  rotation: 1 mrad\n", "  translation: 0 mm\n  rotation: 0 rad\n")
-    error = read(tmp_path, text).pose_error
+    error = read(tmp_path, text).setup.pose_error
     part = error.common_covariance if pose_error == "common" else error.repeatability_covariance
     np.testing.assert_array_equal(part, np.zeros((6, 6)))
 
 
 BAD = [
-    # acquisitions
-    (changed("most: 3", "most: 1"), 15, "averaging.viewpoints", "greater than or equal to 2"),
-    (changed("most: 3", "most: 17"), 15, "averaging.viewpoints", "less than or equal to 16"),
-    (changed("most: 3", "most: 2.5"), 15, "averaging.viewpoints", "a whole number"),
-    (changed("most: 3", "most: many"), 15, "averaging.viewpoints", "a whole number"),
-    (changed("most: 3", "most: true"), 15, "averaging.viewpoints", "a whole number"),
-    (changed("most: 3", "most:"), 15, "averaging.viewpoints", "no value"),
-    (changed("most: 3", "mots: 3"), 15, "acquisitions.mots", "did you mean 'most'?"),
-    (changed("  most: 3\n", ""), 14, "averaging.viewpoints", "required key missing"),
-    (changed("acquisitions:\n  most: 3\n", "acquisitions: 3\n"), 14, "acquisitions", "not a section"),
-    (changed("acquisitions:", "lookss:"), 14, "acquisitionss", "did you mean 'acquisitions'?"),
+    # averaging
+    (changed("viewpoints: 3", "viewpoints: 1"), 15, "averaging.viewpoints", "greater than or equal to 2"),
+    (changed("viewpoints: 3", "viewpoints: 17"), 15, "averaging.viewpoints", "less than or equal to 16"),
+    (changed("viewpoints: 3", "viewpoints: 2.5"), 15, "averaging.viewpoints", "a whole number"),
+    (changed("viewpoints: 3", "viewpoints: many"), 15, "averaging.viewpoints", "a whole number"),
+    (changed("viewpoints: 3", "viewpoints: true"), 15, "averaging.viewpoints", "a whole number"),
+    (changed("viewpoints: 3", "viewpoints:"), 15, "averaging.viewpoints", "no value"),
+    (changed("viewpoints: 3", "veiwpoints: 3"), 15, "averaging.veiwpoints", "did you mean 'viewpoints'?"),
+    (changed("  viewpoints: 3\n", ""), 14, "averaging.viewpoints", "required key missing"),
+    (changed("averaging:\n  viewpoints: 3\n", "averaging: 3\n"), 14, "averaging", "not a section"),
+    (changed("averaging:", "averageing:"), 14, "averageing", "did you mean 'averaging'?"),
     (changed(COMMON, ""), 7, "pose_uncertainty.common", "helps only against what is drawn anew"),
     (changed(COMMON, ""), 7, "pose_uncertainty.common", "translation: 0 mm and rotation: 0 deg there if there is none"),
     # pose_uncertainty.common
@@ -110,7 +133,7 @@ BAD = [
     (changed("2 mrad", "-2 mrad"), 12, "pose_uncertainty.common.rotation", "must not be negative"),
     (changed("2 mrad", "2"), 12, "pose_uncertainty.common.rotation", "an angle with its unit"),
     (changed("[0.2, 0.3, 0.4] mm", "[0.2, 0.3] mm"), 11, "pose_uncertainty.common.translation", "1 or 3 values"),
-    (changed("  pivot:", "    pivot:"), 13, "pose_uncertainty.common.pivot", "unknown key"),
+    (changed("  frame:", "    frame:"), 13, "pose_uncertainty.common.frame", "unknown key"),
     (changed(COMMON, BY_FILE), 11, "pose_uncertainty.common.covariance", "common.yaml"),
     (changed(COMMON, "  common:\n    covariance: 3\n"), 11, "pose_uncertainty.common.covariance", "text"),
 ]
@@ -147,8 +170,8 @@ def test_problems_of_pose_error_and_common_are_reported_together(tmp_path):
 
 
 def test_the_example_of_the_page_is_read():
-    inspection = vg.load(EXAMPLE / "acquisitions.yaml")
-    assert inspection.acquisitions == 3
+    inspection = vg.load(EXAMPLE / "averaging.yaml")
+    assert inspection.averaged_viewpoints == 3
     np.testing.assert_allclose(
         np.sqrt(inspection.pose_error.common_covariance.diagonal()), [0.05] * 3 + [np.deg2rad(0.01)] * 3, rtol=1e-9
     )
@@ -160,7 +183,7 @@ def fingerprint(inspection):
     return job_fingerprint(inspection, EvaluationJob.of(inspection, characteristics, source))
 
 
-def test_a_job_is_known_by_acquisitions_and_common_part_too(tmp_path):
+def test_a_job_is_known_by_averaged_viewpoints_and_common_part_too(tmp_path):
     shutil.copytree(EXAMPLE, tmp_path / "block")
     path = tmp_path / "block" / "inspection.yaml"
     text = path.read_text()
@@ -169,7 +192,7 @@ def test_a_job_is_known_by_acquisitions_and_common_part_too(tmp_path):
     path.write_text(text.replace("  rotation: 0.02 deg\n", common) + "averaging: {viewpoints: 4}\n")
     (path.parent / "common.yaml").write_text(written(MATRIX))
     inspection = vg.load(path)
-    assert inspection.acquisitions == 4
+    assert inspection.averaged_viewpoints == 4
     assert "common.yaml" in inspection.inputs
     pose_error = inspection.pose_error
     others = [

@@ -32,28 +32,30 @@ def read(tmp_path, camera, calibration=TOPIC):
 
 
 def test_without_them_the_camera_is_the_paper_s(tmp_path):
-    camera = read(tmp_path, OWN).camera
+    camera = read(tmp_path, OWN).setup.camera
     assert camera.is_plain
     assert camera.edge_resolution_px == 1.0
 
 
 def test_distortion_and_its_uncertainty(tmp_path):
     uncertainty = "{focal_length: '[0.5, 0.6] px', principal_point: 0.8 px, distortion: [0.001, 0.002, 0, 0]}"
-    camera = read(tmp_path, f"{OWN}  distortion: [-0.1, 0.02, 0, 0]\n  calibration_uncertainty: {uncertainty}").camera
+    camera = read(
+        tmp_path, f"{OWN}  distortion: [-0.1, 0.02, 0, 0]\n  calibration_uncertainty: {uncertainty}"
+    ).setup.camera
     assert camera.lens == Lens("radial-tangential", (-0.1, 0.02, 0.0, 0.0))
     expected = np.diag(np.square([0.5, 0.6, 0.8, 0.8, 0.001, 0.002, 0, 0]))
     np.testing.assert_allclose(np.asarray(camera.intrinsics_covariance), expected, rtol=1e-15)
 
 
 def test_a_fisheye(tmp_path):
-    camera = read(tmp_path, f"{OWN}  distortion: [0.1, 0, 0, 0]\n  distortion_model: equidistant").camera
+    camera = read(tmp_path, f"{OWN}  distortion: [0.1, 0, 0, 0]\n  distortion_model: equidistant").setup.camera
     assert camera.lens == Lens("equidistant", (0.1, 0.0, 0.0, 0.0))
 
 
 def test_a_calibration_file(tmp_path):
     file = read(tmp_path, FILED)
-    camera = file.camera
-    assert file.calibration_file == tmp_path / "camera.yaml"
+    camera = file.setup.camera
+    assert file.other_files == (tmp_path / "camera.yaml",)
     assert camera.resolution == (2448, 2048)
     assert camera.focal_length_mm == pytest.approx(4640 * 0.00345, rel=1e-15)
     fx, fy = (camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm)
@@ -66,7 +68,7 @@ def test_a_calibration_file(tmp_path):
 
 def test_a_stated_uncertainty_is_before_the_file_s(tmp_path):
     more = "  calibration_uncertainty: {focal_length: 2 px, principal_point: 3 px}"
-    camera = read(tmp_path, FILED + more).camera
+    camera = read(tmp_path, FILED + more).setup.camera
     assert np.diag(np.asarray(camera.intrinsics_covariance)) == pytest.approx([4, 4, 9, 9, 0, 0, 0, 0, 0])
 
 
@@ -84,7 +86,7 @@ def test_a_stated_uncertainty_is_before_the_file_s(tmp_path):
     ],
 )
 def test_edge_detectors(tmp_path, keys, edge_detector):
-    camera = read(tmp_path, f"{OWN}  edge_detector: {keys}").camera
+    camera = read(tmp_path, f"{OWN}  edge_detector: {keys}").setup.camera
     assert camera.edge_detector == edge_detector
     assert camera.quantization_step_mm == (0.0, 0.0)
 
@@ -121,7 +123,7 @@ BAD = [
     (OWN + "  edge_detector: {nosie: 0.1 px}", "camera.edge_detector.nosie", "did you mean 'noise'?"),
     (OWN + "  edge_detector: subpixel", "camera.edge_detector", "not a section of keys"),
     (
-        OWN + "  edge_detector: {noise: 0.1 px}\n  edge_detector: {quantization: 0.1 px}",
+        OWN + "  edge_detector: {noise: 0.1 px, quantization: 0.1 px}",
         "camera.edge_detector.quantization",
         "takes the place",
     ),
@@ -142,7 +144,7 @@ BAD = [
     (FILED + "  focal_length: 16 mm", "camera.focal_length", "the calibration file says it"),
     (FILED + "  distortion: [0, 0, 0, 0]", "camera.distortion", "the calibration file says it"),
     (FILED + "  resolution: [640, 480]", "camera.resolution", "images of another size"),
-    (FILED.replace("3.45 um", "[3.45, 4] um"), "camera.pixel_pitch", "of another shape"),
+    (FILED.replace("3.45 um", "'[3.45, 4] um'"), "camera.pixel_pitch", "of another shape"),
     (FILED.replace("camera.yaml", "none.yaml"), "camera.calibration", "does not exist"),
     (FILED.replace("camera.yaml", ""), "camera.calibration", "no value"),
     (FILED + "  calibration_camera: cam7", None, "one camera without a name"),
@@ -164,7 +166,7 @@ def test_a_calibration_without_a_size_needs_one(tmp_path):
     sizeless = TOPIC.replace("height: 2048\nwidth: 2448\n", "")
     with pytest.raises(InspectionFileError, match="the calibration file does not say it"):
         read(tmp_path, FILED, sizeless)
-    assert read(tmp_path, FILED + "  resolution: [2448, 2048]", sizeless).camera.resolution == (2448, 2048)
+    assert read(tmp_path, FILED + "  resolution: [2448, 2048]", sizeless).setup.camera.resolution == (2448, 2048)
 
 
 def test_what_is_wrong_in_the_calibration_file_is_reported_with_its_line(tmp_path):

@@ -5,15 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import inspections
-from inspections import MINIMAL
 from viewgauge.evaluation.requirement.allowed_error import Requirement
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import CharacteristicEntry, read_inspection_file
 from viewgauge.geometry import PoseError
+from viewgauge.part import Mesh, Part
 from viewgauge.planning.candidates.candidate_options import CandidateOptions
 from viewgauge.sensors import Camera
 from viewgauge.visibility.limits import ObservationLimits
+
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 
 # interface.md, word for word; long lines as there
 CONTRACT = """\
@@ -45,7 +46,23 @@ candidates:                         # optional, sensible defaults from part and 
   viewpoints: poses.csv               # or explicit viewpoints instead of sampled ones
 """  # noqa: E501
 
-TWO_DIMENSIONS = """\
+# the lines of each section are asserted below
+MINIMAL = """\
+part:
+  file: part.step
+camera:
+  focal_length: 16 mm
+  pixel_pitch: 3.45 um
+  resolution: [2448, 2048]
+pose_uncertainty:
+  translation: 0.1 mm
+  rotation: 0.02 deg
+requirement:
+  error: 0.05 mm
+  probability: 0.95
+"""
+
+TWO_ENTRIES = """\
   characteristics:
     - id: A
       points: [[0, 0, 0], [1, 0, 0]]
@@ -61,12 +78,22 @@ def read(tmp_path, text):
     return read_inspection_file(path)
 
 
+def position(file):
+    """Of the frame in which the pose error acts, mm, camera frame."""
+    return file.setup.pose_error.T_camera_frame[:3, 3].tolist()
+
+
 def changed(old, new, base=MINIMAL):
-    return inspections.changed(old, new, base)
+    assert old in base
+    return base.replace(old, new)
+
+
+def with_frame(value):
+    return changed("pose_uncertainty:\n", f"pose_uncertainty:\n  frame: {value}\n")
 
 
 def with_characteristics(old="", new=""):
-    return changed("camera:\n", TWO_DIMENSIONS.replace(old, new) + "camera:\n")
+    return changed("camera:\n", TWO_ENTRIES.replace(old, new) + "camera:\n")
 
 
 def error_of(tmp_path, text):
@@ -77,33 +104,33 @@ def error_of(tmp_path, text):
 
 
 def test_the_contract_example_is_read_as_written(tmp_path):
-    inspection = read(tmp_path, CONTRACT)
-    assert inspection.path == tmp_path / "inspection.yaml"
-    assert inspection.part_file == tmp_path / "slotted_block.step"
-    assert inspection.characteristics == (
-        CharacteristicEntry("E2", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), (-0.1, 0.1), "ends", line=4),
+    file = read(tmp_path, CONTRACT)
+    assert file.path == tmp_path / "inspection.yaml"
+    assert file.part_file == tmp_path / "slotted_block.step"
+    assert file.characteristics == (
+        CharacteristicEntry("E2", ((0.0, 0.0, 40.0), (60.0, 0.0, 40.0)), (-0.1, 0.1), "ends", line=4),
     )
-    assert not inspection.characteristics[0].is_override
-    assert inspection.general_tolerance_mm is None
-    assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
+    assert not file.characteristics[0].is_override
+    assert file.general_tolerance_mm is None
+    assert file.setup.camera == Camera(16, (0.00345, 0.00345), (2448, 2048), edge_resolution_px=1.0)
     expected = PoseError.from_standard_deviations(0.1, np.deg2rad(0.02), pivot_mm=(0, 0, -16))
-    np.testing.assert_allclose(inspection.pose_error.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
-    assert inspection.pose_error.pivot_mm == (0.0, 0.0, -16.0)
-    assert inspection.requirement == Requirement("accuracy", 0.99, 0.95)
-    assert inspection.candidates == CandidateOptions(distance_mm=(300.0, 600.0), directions=200, rolls=4)
-    assert inspection.viewpoints_file == tmp_path / "poses.csv"
-    assert inspection.covariance_file is None
-    assert inspection.limits == ObservationLimits()
-    assert inspection.seed == 0
+    np.testing.assert_allclose(file.setup.pose_error.covariance, expected.covariance, rtol=1e-15)  # pi is rounded
+    assert position(file) == [0.0, 0.0, -16.0]
+    assert file.setup.requirement == Requirement("accuracy", 0.99, 0.95)
+    assert file.inspection(PART).candidates == CandidateOptions(distance_mm=(300.0, 600.0), directions=200, rolls=4)
+    assert file.viewpoints_file == tmp_path / "poses.csv"
+    assert file.other_files == ()
+    assert file.setup.limits == ObservationLimits()
+    assert file.inspection(PART).seed == 0
 
 
 def test_the_least_file_takes_the_defaults(tmp_path):
-    inspection = read(tmp_path, MINIMAL)
-    assert inspection.camera == Camera(16, (0.00345, 0.00345), (2448, 2048))
-    assert inspection.candidates == CandidateOptions()
-    assert inspection.viewpoints_file is None
-    assert inspection.characteristics == ()
-    assert inspection.pose_error.pivot_mm == (0.0, 0.0, 0.0)
+    file = read(tmp_path, MINIMAL)
+    assert file.setup.camera == Camera(16, (0.00345, 0.00345), (2448, 2048))
+    assert file.inspection(PART).candidates == CandidateOptions()
+    assert file.viewpoints_file is None
+    assert file.characteristics == ()
+    assert position(file) == [0.0, 0.0, 0.0]
 
 
 def test_every_optional_key(tmp_path):
@@ -111,7 +138,7 @@ def test_every_optional_key(tmp_path):
 seed: 7
 part:
   characteristics:
-    - {id: A, start: "[0, 0, 40] mm", end: ["6 cm", 0 mm, '40 mm'], observed: whole}
+    - {id: A, points: ["[0, 0, 40] mm", ["6 cm", 0 mm, '40 mm']], observed: whole}
     - id: PMI/1
       tolerance: "[-0.05, 0.1] mm"
     - id: PMI/2
@@ -127,8 +154,8 @@ camera:
   focus_distance: 45 cm
   blur_limit: 2 px
 pose_uncertainty:
-  translation: [0.1, 0.2,
-                0.3] mm
+  translation: "[0.1, 0.2,
+                0.3] mm"
   rotation: ["1 mrad", "2 mrad", "3 mrad"]
   frame: {position: "[1, 2, 3] mm", quaternion: [0, 1, 0, 0]}
 requirement:
@@ -146,69 +173,71 @@ observation:
   minimum_length: 20 px
   grazing_angle: 0.1 rad
 """
-    inspection = read(tmp_path, text)
-    assert inspection.part_file is None
-    assert inspection.characteristics == (
-        CharacteristicEntry("A", (0.0, 0.0, 40.0), (60.0, 0.0, 40.0), None, "whole", line=4),
-        CharacteristicEntry("PMI/1", None, None, (-0.05, 0.1), None, line=5),
-        CharacteristicEntry("PMI/2", None, None, None, "whole", line=7),
+    file = read(tmp_path, text)
+    assert file.part_file is None
+    assert file.characteristics == (
+        CharacteristicEntry("A", ((0.0, 0.0, 40.0), (60.0, 0.0, 40.0)), None, "whole", line=4),
+        CharacteristicEntry("PMI/1", None, (-0.05, 0.1), None, line=5),
+        CharacteristicEntry("PMI/2", None, None, "whole", line=7),
     )
-    assert [entry.is_override for entry in inspection.characteristics] == [False, True, True]
-    assert inspection.general_tolerance_mm == (-0.1, 0.1)
-    assert inspection.camera == Camera(25.4, (0.00345, 0.0035), (2448, 2048), 0.1, (1200.0, 1000.5), 8.0, 450.0, 2.0)
-    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
+    assert [entry.is_override for entry in file.characteristics] == [False, True, True]
+    assert file.general_tolerance_mm == (-0.1, 0.1)
+    assert file.setup.camera == Camera(25.4, (0.00345, 0.0035), (2448, 2048), 0.1, (1200.0, 1000.5), 8.0, 450.0, 2.0)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, np.diag([0.1, 0.2, 0.3, 0.001, 0.002, 0.003]) ** 2)
     np.testing.assert_array_equal(
-        inspection.pose_error.T_camera_frame, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
+        file.setup.pose_error.T_camera_frame, [[1, 0, 0, 1], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]
     )
-    assert inspection.requirement == Requirement("fraction_of_tolerance", 0.1, 0.95)
-    assert inspection.candidates == CandidateOptions(
+    assert file.setup.requirement == Requirement("fraction_of_tolerance", 0.1, 0.95)
+    assert file.inspection(PART).candidates == CandidateOptions(
         (400.0, 400.0), 1, 50, 3, 0, cone_axis=(0.0, 1.0, 1.0), cone_half_angle_rad=np.pi
     )
-    assert inspection.viewpoints_file == Path("/data/poses.csv")
-    assert inspection.limits == ObservationLimits(0.0, 20.0, 0.1)
-    assert inspection.seed == 7
+    assert file.viewpoints_file == Path("/data/poses.csv")
+    assert file.setup.limits == ObservationLimits(0.0, 20.0, 0.1)
+    assert file.inspection(PART).seed == 7
 
 
 @pytest.mark.parametrize(
     "value",
     [
-        "[0, 0, -16] mm",
-        "[0, 0, -16]mm  # a comment with [1, 2] mm",
+        "'[0, 0, -16]mm'  # a comment with [1, 2] mm",
         '["0 mm", "0 mm", "-16 mm"]',
         "[0 mm, 0 mm, -16 mm]",
         '"[0, 0, -16] mm"',
         "'[0, 0, -16] mm'",
-        "[0, 0, -1.6] cm",
-        "\n    [0, 0,\n     -16] mm",
-        "\n    - 0 mm\n    - 0 mm\n    - -16 mm",
-        "[0, 0, -16000] µm",
+        "'[0, 0, -1.6] cm'",
+        "'[0 mm, 0 mm, -16 mm]'",
+        "\n      '[0, 0,\n       -16] mm'",
+        "\n      - 0 mm\n      - 0 mm\n      - -16 mm",
+        '"[0, 0, -16000] µm"',
     ],
 )
 @pytest.mark.parametrize("line_end", ["\n", "\r\n"])
 def test_forms_of_a_point(tmp_path, value, line_end):
-    text = changed("head:\n", f"head:\n  pivot: {value}\n").replace("\n", line_end)
-    assert read(tmp_path, text).pose_error.pivot_mm == (0.0, 0.0, -16.0)
+    text = changed("pose_uncertainty:\n", f"pose_uncertainty:\n  frame:\n    position: {value}\n").replace(
+        "\n", line_end
+    )
+    assert position(read(tmp_path, text)) == [0.0, 0.0, -16.0]
 
 
-@pytest.mark.parametrize("name", ["a [1] b.step", "'x: '[1, 2] mm''", '"[1] mm.step"', "it's [1] mm.step", "a#[1] mm"])
-def test_text_that_acquisitions_like_a_list_with_unit_stays_as_it_is(tmp_path, name):
+@pytest.mark.parametrize("name", ["a [1] b.step", "'x: [1, 2] mm'", '"[1] mm.step"', "it's [1] mm.step", "a#[1] mm"])
+def test_text_that_looks_like_a_list_with_unit_stays_as_it_is(tmp_path, name):
     assert read(tmp_path, changed("part.step", name)).part_file == tmp_path / name.strip("'\"")
 
 
 def test_an_empty_optional_section_is_as_good_as_none(tmp_path):
     text = changed("part:\n  file: part.step\n", "part:\n") + "candidates:\n  # rolls: 2\nobservation:\n"
-    inspection = read(tmp_path, text)
-    assert inspection.part_file is None
-    assert inspection.candidates == CandidateOptions()
+    file = read(tmp_path, text)
+    assert file.part_file is None
+    assert file.inspection(PART).candidates == CandidateOptions()
 
 
 def test_a_repeated_scalar_may_be_an_alias(tmp_path):
     text = changed("translation: 0.1 mm", "translation: &t 0.1 mm").replace("error: 0.05 mm", "error: *t")
-    assert read(tmp_path, text).requirement.value == 0.1
+    assert read(tmp_path, text).setup.requirement.value == 0.1
 
 
 def test_byte_order_mark(tmp_path):
-    assert read(tmp_path, "\ufeff" + MINIMAL).seed == 0
+    assert read(tmp_path, "\ufeff" + MINIMAL).inspection(PART).seed == 0
 
 
 BAD_TEXTS = [
@@ -239,7 +268,15 @@ BAD_TEXTS = [
     ),
     (changed("camera:\n", "? [1, 2]\n: 3\ncamera:\n"), 3, None, "a key must be a word"),
     (changed("  file: part.step", "  file: a\n  file: b"), 3, "part.file", "first in line 2"),
-    (MINIMAL + "head:\n  rotation: 1 deg\n", 13, "pose_error", "first in line 7"),
+    (MINIMAL + "pose_uncertainty:\n  rotation: 1 deg\n", 13, "pose_uncertainty", "first in line 7"),
+]
+
+UNQUOTED = 'write a list with its unit in quotes: "[0, 0, -16] mm"'
+BAD_LISTS = [
+    (with_frame("{position: [0, 0, -16] mm}"), 8, None, UNQUOTED),
+    (with_frame("\n    position: [0, 0, -16]mm"), 9, None, UNQUOTED),
+    (with_frame("\n    position: [0, 0, -16] mm  # of the flange"), 9, None, UNQUOTED),
+    (changed("[2448, 2048]", "[2448, 2048] px"), 6, None, 'write a list with its unit in quotes: "[2448, 2048] px"'),
 ]
 
 BAD_SECTIONS = [
@@ -250,7 +287,7 @@ BAD_SECTIONS = [
     (changed("  file:", "  fiel:"), 2, "part.fiel", "did you mean 'file'?"),
     (changed("  error: 0.05 mm\n", "  error: 0.05 mm\n  zzz: 1\n"), 12, "requirement.zzz", "one of accuracy, error"),
     (
-        "head:\n  translation: 0 mm\n  rotation: 0 deg\nrequirement: {error: 1 mm, probability: 0.9}\n",
+        "pose_uncertainty:\n  translation: 0 mm\n  rotation: 0 deg\nrequirement: {error: 1 mm, probability: 0.9}\n",
         1,
         "camera",
         "required key missing",
@@ -258,15 +295,15 @@ BAD_SECTIONS = [
     (changed("  focal_length: 16 mm\n", ""), 3, "camera.focal_length", "a length, such as 16 mm"),
     (changed("  probability: 0.95\n", ""), 10, "requirement.probability", "required key missing"),
     (
-        changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "head:\n"),
+        changed("pose_uncertainty:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "pose_uncertainty:\n"),
         7,
-        "pose_error",
+        "pose_uncertainty",
         "the section is empty",
     ),
     (
-        changed("head:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "pose_uncertainty: 0.1 mm\n"),
+        changed("pose_uncertainty:\n  translation: 0.1 mm\n  rotation: 0.02 deg\n", "pose_uncertainty: 0.1 mm\n"),
         7,
-        "pose_error",
+        "pose_uncertainty",
         "not a section",
     ),
     (changed("part:\n  file: part.step\n", "part: part.step\n"), 1, "part", "not a section"),
@@ -291,8 +328,8 @@ BAD_CAMERAS = [
     (changed("16 mm", ""), 4, "camera.focal_length", "no value"),
     (changed("16 mm", "{a: 1}"), 4, "camera.focal_length", "not a quantity"),
     (changed("3.45 um", "3.45 px"), 5, "camera.pixel_pitch", "'px' is not a unit of length"),
-    (changed("3.45 um", "[3, 3, 3] um"), 5, "camera.pixel_pitch", "1 or 2 values are expected here, not 3"),
-    (changed("3.45 um", "[3, -3] um"), 5, "camera.pixel_pitch", "must be positive"),
+    (changed("3.45 um", "'[3, 3, 3] um'"), 5, "camera.pixel_pitch", "1 or 2 values are expected here, not 3"),
+    (changed("3.45 um", "'[3, -3] um'"), 5, "camera.pixel_pitch", "must be positive"),
     (changed("2448, 2048", "2448"), 6, "camera.resolution", "[2448, 2048]"),
     (changed("2448, 2048", "2448.5, 2048"), 6, "camera.resolution", "whole numbers"),
     (changed("2448, 2048", "0, 2048"), 6, "camera.resolution", "whole numbers"),
@@ -302,7 +339,7 @@ BAD_CAMERAS = [
     (changed("[2448, 2048]", "5 MP"), 6, "camera.resolution", "2 values are expected"),
     (changed("[2448, 2048]", "2448"), 6, "camera.resolution", "columns and rows"),
     (
-        changed("pose_uncertainty:", "  edge_resolution: 1\npose_uncertainty:"),
+        changed("pose_uncertainty:", "  edge_detector: {quantization: 1}\npose_uncertainty:"),
         7,
         "camera.edge_detector.quantization",
         "1 px",
@@ -344,8 +381,8 @@ BAD_POSE_ERRORS = [
     (changed("0.02 deg", "0.02"), 9, "pose_uncertainty.rotation", "an angle with its unit, such as 0.02 deg"),
     (changed("0.02 deg", "0.02 mm"), 9, "pose_uncertainty.rotation", "'mm' is not a unit of angle"),
     (changed("0.02 deg", "-0.02 deg"), 9, "pose_uncertainty.rotation", "must not be negative"),
-    (changed("0.1 mm", "[1, 2] mm"), 8, "pose_uncertainty.translation", "1 or 3 values are expected here, not 2"),
-    (changed("  rotation: 0.02 deg\n", ""), 7, "pose_error", "required key rotation missing"),
+    (changed("0.1 mm", "'[1, 2] mm'"), 8, "pose_uncertainty.translation", "1 or 3 values are expected here, not 2"),
+    (changed("  rotation: 0.02 deg\n", ""), 7, "pose_uncertainty", "required key rotation missing"),
     (
         changed("  rotation: 0.02 deg\n", "  covariance: c.yaml\n"),
         8,
@@ -355,39 +392,39 @@ BAD_POSE_ERRORS = [
     (
         changed("  translation: 0.1 mm\n  rotation: 0.02 deg\n", "  frame: {position: '[0, 0, 0] mm'}\n"),
         7,
-        "pose_error",
+        "pose_uncertainty",
         "required keys translation and rotation missing",
     ),
-    (changed("head:\n", "head:\n  frame: {position: [0, 0, 1]}\n"), 8, "pose_uncertainty.frame", "the unit is missing"),
-    (changed("head:\n", "head:\n  frame: {position: '[0, 0] mm'}\n"), 8, "pose_uncertainty.frame", "3 values"),
-    (changed("head:\n", "head:\n  frame: {position: '[0, 0, nan] mm'}\n"), 8, "pose_uncertainty.frame", "not finite"),
-    (changed("head:\n", "head:\n  pivot:\n"), 8, "pose_uncertainty.frame", "no value"),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n"),
+        with_frame("{position: [0, 0, 1]}"),
         8,
-        "pose_uncertainty.frame.quaternion",
-        "required key",
+        "pose_uncertainty.frame.position",
+        "the unit is missing",
     ),
+    (with_frame("{position: '[0, 0] mm'}"), 8, "pose_uncertainty.frame.position", "3 values"),
+    (with_frame("{position: '[0, 0, nan] mm'}"), 8, "pose_uncertainty.frame.position", "not finite"),
+    (with_frame(""), 8, "pose_uncertainty.frame", "the section is empty"),
+    (with_frame("'[0, 0, 1] mm'"), 8, "pose_uncertainty.frame", "not a section"),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0, 1]\n"),
+        with_frame("\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0, 1]"),
         10,
         "pose_uncertainty.frame.quaternion",
         "not of unit length",
     ),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0]\n"),
+        with_frame("\n    position: '[0, 0, 1] mm'\n    quaternion: [1, 0, 0]"),
         10,
         "pose_uncertainty.frame.quaternion",
         "4 plain numbers",
     ),
     (
-        changed("head:\n", "head:\n  pivot:\n    position: '[0, 0, 1] mm'\n    quaternion: [a, 0, 0, 0]\n"),
+        with_frame("\n    position: '[0, 0, 1] mm'\n    quaternion: [a, 0, 0, 0]"),
         10,
         "pose_uncertainty.frame.quaternion",
         "plain numbers",
     ),
     (
-        changed("head:\n", "head:\n  frame: {position: '[0, 0, 1] mm', quaternion: [.nan, 0, 0, 0]}\n"),
+        with_frame("{position: '[0, 0, 1] mm', quaternion: [.nan, 0, 0, 0]}"),
         8,
         "pose_uncertainty.frame.quaternion",
         "not of unit length",
@@ -437,20 +474,32 @@ BAD_CHARACTERISTICS = [
     (with_characteristics("id: A", "id: ''"), 4, "part.characteristics[0].id", "the text is empty"),
     (with_characteristics("id: A", "id: 5"), 4, "part.characteristics[0].id", "in quotes"),
     (with_characteristics("- id: B\n      ", "- "), 7, "part.characteristics[1].id", "required key missing"),
-    (with_characteristics("[1, 0, 0] mm", "[0, 0, 0] mm"), 6, "part.characteristics[0].end", "the same point"),
-    (with_characteristics("      end: '[1, 0, 0] mm'\n"), 4, "part.characteristics[0]", "needs both its points"),
-    (with_characteristics("      tolerance: 0.1 mm\n"), 7, "part.characteristics[1]", "nothing but its id"),
-    (with_characteristics("[1, 0, 0] mm", "[1, 0, nan] mm"), 6, "part.characteristics[0].end", "not finite"),
-    (with_characteristics("[1, 0, 0] mm", "[1, 0, 0]"), 6, "part.characteristics[0].end", "[0, 0, 40] mm"),
     (
-        with_characteristics("[1, 0, 0] mm", "[1, 0, 0] mm / 2"),
-        6,
-        "part.characteristics[0].end",
+        with_characteristics("[1, 0, 0]", "[0, 0, 0]"),
+        5,
+        "part.characteristics[0].points",
+        "the two points are the same",
+    ),
+    (with_characteristics(", [1, 0, 0]"), 5, "part.characteristics[0].points", "at least 2 items"),
+    (with_characteristics("      tolerance: 0.1 mm\n"), 7, "part.characteristics[1]", "nothing but its id"),
+    (with_characteristics("[1, 0, 0]", "[1, 0, .nan]"), 5, "part.characteristics[0].points", "not finite"),
+    (with_characteristics("      unit: mm\n"), 5, "part.characteristics[0].points", "with unit: mm beside them"),
+    (with_characteristics("unit: mm", "unit: s"), 6, "part.characteristics[0].unit", "'s' is not a unit of length"),
+    (
+        with_characteristics("      points: [[0, 0, 0], [1, 0, 0]]\n"),
+        5,
+        "part.characteristics[0].unit",
+        "the unit belongs to points",
+    ),
+    (
+        with_characteristics("[1, 0, 0]", "'[1, 0, 0] mm / 2'"),
+        5,
+        "part.characteristics[0].points",
         "'mm / 2' is not a unit",
     ),
     (with_characteristics("0.1 mm", "0.1"), 8, "part.characteristics[1].tolerance", "the unit is missing"),
     (with_characteristics("0.1 mm", "-0.1 mm"), 8, "part.characteristics[1].tolerance", "must be positive"),
-    (with_characteristics("0.1 mm", "[0.1, -0.1] mm"), 8, "part.characteristics[1].tolerance", "less than the upper"),
+    (with_characteristics("0.1 mm", "'[0.1, -0.1] mm'"), 8, "part.characteristics[1].tolerance", "less than the upper"),
     (
         with_characteristics("0.1 mm", "0.1 mm\n      observed: middle"),
         9,
@@ -477,7 +526,14 @@ BAD_CHARACTERISTICS = [
 
 @pytest.mark.parametrize(
     ("text", "line", "key", "telling"),
-    BAD_TEXTS + BAD_SECTIONS + BAD_CAMERAS + BAD_POSE_ERRORS + BAD_REQUIREMENTS + BAD_OPTIONS + BAD_CHARACTERISTICS,
+    BAD_TEXTS
+    + BAD_LISTS
+    + BAD_SECTIONS
+    + BAD_CAMERAS
+    + BAD_POSE_ERRORS
+    + BAD_REQUIREMENTS
+    + BAD_OPTIONS
+    + BAD_CHARACTERISTICS,
 )
 def test_a_bad_file_is_reported_with_line_and_key(tmp_path, text, line, key, telling):
     error = error_of(tmp_path, text)
@@ -496,7 +552,7 @@ def test_all_problems_are_reported_at_once_in_order(tmp_path):
     text = (
         with_characteristics("0.1 mm", "0.1")
         .replace("16 mm", "16 s")
-        .replace("  rotation: 0.02 deg", "  rotation: 0.02 deg\n  pivto: '[0, 0, 1] mm'")
+        .replace("  rotation: 0.02 deg", "  rotation: 0.02 deg\n  fraem: '[0, 0, 1] mm'")
         .replace("0.95", "95 %\n  probability: 1")
         + "candidates:\n  rolls: 1.5\n  cone: {half_angle: 60}\n"
     )
@@ -511,7 +567,7 @@ def test_all_problems_are_reported_at_once_in_order(tmp_path):
         "8:part.characteristics[1].tolerance",
         "9:camera.resolution",
         "10:camera.focal_length",
-        "15:head.pivto",
+        "15:pose_uncertainty.fraem",
         "19:requirement.probability",
         "21:candidates.rolls",
         "22:candidates.cone.half_angle",
@@ -528,21 +584,21 @@ def with_covariance(tmp_path, text):
 
 
 def test_covariance_rows(tmp_path):
-    inspection = read(with_covariance(tmp_path, IDENTITY), COVARIANCE)
-    np.testing.assert_array_equal(inspection.pose_error.covariance, np.eye(6))
-    assert inspection.covariance_file == tmp_path / "c.yaml"
+    file = read(with_covariance(tmp_path, IDENTITY), COVARIANCE)
+    np.testing.assert_array_equal(file.setup.pose_error.covariance, np.eye(6))
+    assert file.other_files == (tmp_path / "c.yaml",)
 
 
 def test_covariance_with_order_and_units(tmp_path):
     rows = "\n".join(f"  - {row}" for row in np.diag([4.0, 5.0, 6.0, 1.0, 2.0, 3.0]).tolist())
     text = f"units: [um, mrad]\norder: rotation first\ncovariance:\n{rows}\n"
-    inspection = read(with_covariance(tmp_path, text), COVARIANCE)
-    np.testing.assert_allclose(inspection.pose_error.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
+    file = read(with_covariance(tmp_path, text), COVARIANCE)
+    np.testing.assert_allclose(file.setup.pose_error.covariance, np.diag([1, 2, 3, 4, 5, 6]) * 1e-6, rtol=1e-14)
 
 
 def test_covariance_with_a_pose(tmp_path):
     text = changed("  covariance: c.yaml\n", "  covariance: c.yaml\n  frame: {position: '[0, 0, 1] mm'}\n", COVARIANCE)
-    assert read(with_covariance(tmp_path, IDENTITY), text).pose_error.pivot_mm == (0, 0, 1)
+    assert position(read(with_covariance(tmp_path, IDENTITY), text)) == [0.0, 0.0, 1.0]
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def changed(old, new, base=CONFORMANCE):
     ],
 )
 def test_each_kind_is_read(tmp_path, section, requirement):
-    assert read(tmp_path, section).requirement == requirement
+    assert read(tmp_path, section).setup.requirement == requirement
 
 
 # section, line, key below requirement, part of the message

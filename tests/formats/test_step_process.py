@@ -275,11 +275,11 @@ def test_a_bad_alloc_on_the_way_down_is_memory(step_file):
 def test_the_memory_limit_is_set_in_the_child(step_file):
     code = (
         "import sys, types\n"
-        "from viewgauge.formats import step_child\n"
+        "from viewgauge.formats.step import kernel_child\n"
         "kernel = types.ModuleType('viewgauge.formats.step.kernel')\n"
         "kernel.read_part = lambda *_, **__: bytearray(2**31)\n"
         "sys.modules['viewgauge.formats.step.kernel'] = kernel\n"
-        "sys.exit(step_child.main(sys.argv[1:]))"
+        "sys.exit(kernel_child.main(sys.argv[1:]))"
     )
     error = refused(step_file, code, memory_bytes=2**30)
     assert "more than 1 GiB of memory" in error.problem

@@ -30,6 +30,7 @@ from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Seed, Work
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
 from .progress import Bars
+from .schema import schema
 from .workbench import workbench
 
 __all__ = ["main"]
@@ -221,6 +222,7 @@ app.command(measure, name="measure")
 app.command(validate, name="validate")
 app.command(workbench, name="workbench")
 app.command(plot, name="plot")
+app.command(schema, name="schema")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

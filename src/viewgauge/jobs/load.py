@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..exceptions import InputError, InspectionFileError, PartFileError
+from ..exceptions import InputError, InspectionFileError
 from ..formats.inspection.inspection_text import read_inspection_text
-from ..formats.step.kernel_process import reading_step
+from ..formats.part_formats import reading_part
 
 if TYPE_CHECKING:  # what takes long to import is imported while a child process reads the part
     from ..formats.inspection.inspection_file import CharacteristicEntry, InspectionFile
-    from ..part import Brep, Characteristic, NotMeasurable, Part
+    from ..part import Characteristic, NotMeasurable, Part
     from ..planning.inspection import Inspection
 
 __all__ = ["load"]
-
-_STEP_SUFFIXES = {".stp", ".step", ".p21"}
-_MESH_SUFFIXES = {".stl", ".ply", ".obj"}
 
 
 def load(
@@ -59,11 +56,11 @@ def load(
     part_path = Path(part) if part is not None else text.part_file
     if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
         raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")
-    with _reading_part(part_path, chord_error_mm) as finish:
+    with nullcontext() if part_path is None else reading_part(part_path, chord_error_mm) as finish:
         from ..formats.inspection.inspection_file import read_inspection_file
 
         file = read_inspection_file(text)
-        if part_path is None:
+        if part_path is None or finish is None:
             raise InspectionFileError(
                 "no part is given", file=file.path, key="part.file", hint="name the part's file there, or with --part"
             )
@@ -74,84 +71,18 @@ def load(
 
 def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
     from ..formats.poses.viewpoints_file import read_viewpoints
-    from ..planning.inspection import ExplicitViewpoints, Inspection
+    from ..planning.inspection import ExplicitViewpoints
 
     viewpoints = None
     if file.viewpoints_file is not None:
         ids, poses = read_viewpoints(file.viewpoints_file)
         viewpoints = ExplicitViewpoints(ids, poses)
-    used = (
-        file.path,
-        part_path,
-        file.viewpoints_file,
-        file.covariance_file,
-        file.common_covariance_file,
-        file.calibration_file,
-    )
-    return Inspection(
+    used = (file.path, part_path, file.viewpoints_file, *file.other_files)
+    return file.inspection(
+        part,
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
-        part=part,
-        camera=file.camera,
-        pose_error=file.pose_error,
-        requirement=file.requirement,
-        candidates=file.candidates,
-        limits=file.limits,
         viewpoints=viewpoints,
-        seed=file.seed,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
-        averaged_viewpoints=file.averaged_viewpoints,
-    )
-
-
-@contextmanager
-def _reading_part(path: Path | None, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
-    """Begin to read a part; call what the block is given for the part, or for the error that says why there is none.
-
-    That of a STEP file comes with the characteristics of its PMI, that of a mesh with none.
-    """
-    suffix = "" if path is None else path.suffix.lower()
-    if path is not None and suffix in _STEP_SUFFIXES:
-        with reading_step(path, chord_error_mm=chord_error_mm) as finish:
-            yield lambda: _part_of_step(finish, path)
-    elif path is not None and suffix in _MESH_SUFFIXES:
-        yield lambda: _part_of_mesh(path)
-    else:
-        yield lambda: _part_of_unknown(path)
-
-
-def _part_of_step(finish: Callable[[], Brep], path: Path) -> Part:
-    from ..part import Part
-    from ..part.characteristics import derive_characteristics
-    from ..part.feature_lines import brep_feature_lines
-
-    brep = finish()
-    characteristics, not_measurable = derive_characteristics(brep)
-    return Part(
-        name=brep.name or path.stem,
-        mesh=brep.mesh,
-        characteristics=characteristics,
-        not_measurable=not_measurable,
-        notes=brep.notes,
-        length_unit=brep.length_unit,
-        feature_lines=brep_feature_lines(brep),
-    )
-
-
-def _part_of_mesh(path: Path) -> Part:
-    from ..formats.mesh.meshes import read_mesh
-    from ..part import Part
-    from ..part.feature_lines import mesh_feature_lines
-
-    mesh, notes = read_mesh(path)
-    return Part(path.stem, mesh, (), notes=notes, feature_lines=mesh_feature_lines(mesh))
-
-
-def _part_of_unknown(path: Path | None) -> Part:
-    raise PartFileError(
-        "this kind of part file is not known",
-        file=path,
-        got=f"suffix {path.suffix!r}" if path is not None else None,
-        expected="STEP (.stp, .step, .p21) or a mesh (.stl, .ply, .obj)",
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .atomic import writing_in
-from .lock import FolderLock
+from .lock import LOCK_FILES, lock_folder
 
 __all__ = ["ChunkJournal", "read_entry", "record_entry"]
 
@@ -51,7 +51,7 @@ class ChunkJournal:
         self.folder, self.fingerprint = Path(folder), fingerprint
         self._target = folder if target is None else target
         with writing_in(self._target):
-            self._lock = FolderLock(self.folder, self._target)
+            self._lock = lock_folder(self.folder, self._target)
             try:
                 if not (self.job / _JOB).exists():
                     self.restart()
@@ -67,7 +67,7 @@ class ChunkJournal:
     def restart(self) -> None:
         """Discard what is in the folder, of this job and of others, and begin anew."""
         for path in self.folder.iterdir():
-            if path.name != "lock":
+            if path.name not in LOCK_FILES:
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
         self.job.mkdir()
         (self.job / _ENTRIES).mkdir()

@@ -1,69 +1,72 @@
-"""One process at a time on a folder: a lock that the system takes from a process that dies."""
+"""One process at a time in a folder: a lock that ends with the process that holds it, however that ends."""
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...exceptions import InputError
 
-try:
-    import fcntl
-except ImportError:  # not a POSIX system: there, nothing keeps two jobs apart
-    fcntl = None  # type: ignore[assignment]
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
 
-__all__ = ["FolderLock"]
+__all__ = ["LOCK_FILES", "lock_folder"]
+
+_LOCK, _HOLDER = "lock", "holder"
+LOCK_FILES = frozenset({_LOCK, _HOLDER})
+"""Names of the files in a locked folder that belong to the lock."""
+
+_PATIENCE_S = 0.1  # for a folder that whoever has just finished is taking away
+_NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP}  # what a file system without locks answers
 
 
-class FolderLock:
-    """Holds the file ``lock`` in a folder, which is made where it is absent.
+def lock_folder(folder: Path, target: str | os.PathLike[str]) -> BaseFileLock:
+    """Lock a folder, which is made where it is absent, until ``release()`` is called or the process ends.
 
-    The lock is the system's (``flock``) and ends with the process, however that ends; the file is left behind and
-    means nothing by itself. It names process and host, for the message to whoever comes second. On a file system
-    that has no locks there is none.
+    The files of the lock are left behind and mean nothing by themselves. On a file system that has no locks nothing is
+    locked.
+
+    Parameters
+    ----------
+    target
+        What the folder is for, named in the message.
 
     Raises
     ------
     InputError
-        If another process holds it; named after ``target``, what the folder is for.
+        If another process, or this one by another lock, holds the lock; it names that process and its host.
+    OSError
+        If the folder cannot be made or written to.
     """
+    from filelock import FileLock, Timeout
 
-    def __init__(self, folder: Path, target: str | os.PathLike[str]) -> None:
-        self._file = -1
-        while self._file < 0:
-            folder.mkdir(exist_ok=True)
-            self._take(folder / "lock", target)
-
-    def _take(self, path: Path, target: str | os.PathLike[str]) -> None:
-        """Hold the lock, or nothing where the file was taken away meanwhile."""
+    lock = FileLock(folder / _LOCK)
+    while not lock.is_locked:
+        folder.mkdir(exist_ok=True)
         try:
-            file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        except FileNotFoundError:  # its folder was taken away by who has just finished
-            return
-        try:
-            if fcntl:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = os.read(file, 200).decode("utf-8", "replace").strip() or "unknown"
-            os.close(file)
+            lock.acquire(timeout=_PATIENCE_S, poll_interval=_PATIENCE_S / 5)
+            (folder / _HOLDER).write_text(f"process {os.getpid()} on {socket.gethostname()}\n", encoding="utf-8")
+        except Timeout:
             raise InputError(
                 "another process is writing this",
                 file=target,
-                got=holder,
+                got=_holder(folder),
                 hint="wait until it has ended, or end it and start again: what it did is kept",
             ) from None
-        except OSError:  # no locks on this file system
-            pass
-        if not path.exists() or not os.path.samestat(os.fstat(file), path.stat()):
-            os.close(file)
-            return
-        os.truncate(file, 0)
-        os.write(file, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
-        self._file = file
+        except OSError as error:
+            lock.release()
+            if error.errno in _NO_LOCKS:
+                break
+            if not isinstance(error, FileNotFoundError):  # the process that has just finished took the folder away
+                raise
+    return lock
 
-    def release(self) -> None:
-        """Let others in; may be called again."""
-        if self._file >= 0:
-            os.close(self._file)
-            self._file = -1
+
+def _holder(folder: Path) -> str:
+    try:
+        return (folder / _HOLDER).read_text(encoding="utf-8", errors="replace").strip() or "unknown"
+    except OSError:
+        return "unknown"

@@ -18,7 +18,17 @@ from ...exceptions import InputError
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["ANGLE", "LENGTH", "PIXELS", "RATIO", "Kind", "Sign", "parse_quantities", "parse_quantity"]
+__all__ = [
+    "ANGLE",
+    "LENGTH",
+    "PIXELS",
+    "RATIO",
+    "Kind",
+    "Sign",
+    "parse_quantities",
+    "parse_quantity",
+    "unit_names",
+]
 
 Sign = Literal["any", "not negative", "positive"]
 
@@ -38,26 +48,28 @@ ANGLE = Kind("angle", "rad", "0.02 deg", "[0.02, 0.02, 0.05] deg")
 PIXELS = Kind("number of pixels", "px", "1 px", "[1224, 1024] px")
 RATIO = Kind("ratio", "", "10 % or 0.1", "[10, 20] %")
 
-_DEFINITIONS = (
-    "millimeter = [length] = mm = millimetre",
-    "nanometer = 1e-6 * millimeter = nm = nanometre",
-    "micrometer = 0.001 * millimeter = um = µm = μm = micrometre = micron",
-    "centimeter = 10 * millimeter = cm = centimetre",
-    "meter = 1000 * millimeter = m = metre",
-    "inch = 25.4 * millimeter = in = inches",
-    "thou = 0.0254 * millimeter",
-    "foot = 304.8 * millimeter = ft = feet",
-    "radian = [angle] = rad",
-    "milliradian = 0.001 * radian = mrad",
-    "microradian = 1e-6 * radian = urad = µrad = μrad",
-    "degree = 0.01745329251994329576923690768488612713 * radian = deg = °",
-    "arcminute = degree / 60 = arcmin",
-    "arcsecond = degree / 3600 = arcsec",
-    "pixel = [pixel] = px",
-    "percent = 0.01 = %",
-    "permille = 0.001 = ‰",
-    "ppm = 1e-6",
-)
+_DEFINITIONS = {
+    LENGTH: (
+        "millimeter = [length] = mm = millimetre",
+        "nanometer = 1e-6 * millimeter = nm = nanometre",
+        "micrometer = 0.001 * millimeter = um = µm = μm = micrometre = micron",
+        "centimeter = 10 * millimeter = cm = centimetre",
+        "meter = 1000 * millimeter = m = metre",
+        "inch = 25.4 * millimeter = in = inches",
+        "thou = 0.0254 * millimeter",
+        "foot = 304.8 * millimeter = ft = feet",
+    ),
+    ANGLE: (
+        "radian = [angle] = rad",
+        "milliradian = 0.001 * radian = mrad",
+        "microradian = 1e-6 * radian = urad = µrad = μrad",
+        "degree = 0.01745329251994329576923690768488612713 * radian = deg = °",
+        "arcminute = degree / 60 = arcmin",
+        "arcsecond = degree / 3600 = arcsec",
+    ),
+    PIXELS: ("pixel = [pixel] = px",),
+    RATIO: ("percent = 0.01 = %", "permille = 0.001 = ‰", "ppm = 1e-6"),
+}
 _SYMBOLS = ("mm", "cm", "m", "um", "µm", "nm", "in", "inch", "ft", "thou", "rad", "mrad", "deg", "arcmin", "px", "ppm")
 
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![\d.])|([+-]?\.?(?:nan|inf(?:inity)?))\b", re.I)
@@ -109,6 +121,15 @@ def parse_quantities(value: object, kind: Kind, counts: tuple[int, ...], sign: S
         return tuple(parse_quantity(item, kind, sign) for item in items)
     except InputError as error:
         raise _error(error.problem, _shown(value), kind, vector=True) from error
+
+
+def unit_names(kind: Kind) -> tuple[str, ...]:
+    """Every name of every unit of a kind, symbols and long names, the plural of long names too."""
+    names: list[str] = []
+    for definition in _DEFINITIONS[kind]:
+        name, _, *others = definition.split(" = ")
+        names += [name, f"{name}s", *others] if len(name) > 4 else [name, *others]
+    return tuple(names)
 
 
 def _items(value: object) -> list[object] | None:
@@ -166,7 +187,7 @@ def _factor(unit: str, kind: Kind) -> Decimal | None:
 def _registry() -> UnitRegistry[Decimal]:
     import pint  # late: it would slow down every start of the command line
 
-    return pint.UnitRegistry(list(_DEFINITIONS), non_int_type=Decimal)
+    return pint.UnitRegistry([line for lines in _DEFINITIONS.values() for line in lines], non_int_type=Decimal)
 
 
 def _error(problem: str, value: object, kind: Kind, *, vector: bool = False) -> InputError:

@@ -1,44 +1,45 @@
-"""The keys of the inspection file's camera section."""
+"""The section ``camera``: its optics, stated or by a calibration file, and the sections below it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Self
+from functools import partial
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StrictInt, model_validator
+from pydantic import Field, model_validator
 
-from ...errors import edge_point_deviation
 from ...exceptions import InputError
 from ...geometry import Lens
 from ...sensors import Camera, EdgeDetector
-from ..cameras.camera_file import CameraFile
-from .sections import FNumber, Length, Name, Pitch, PixelPair, Pixels, PixelsOrZero, PixelsOrZeros, Resolution, Section
+from ..cameras.camera_file import CameraFile, read_camera_file
+from .edge_detector_section import EdgeDetectorSection
+from .inspection_text import InspectionText
+from .validation import build, validate
+from .values import (
+    Apart,
+    Coefficients,
+    Elsewhere,
+    Length,
+    Name,
+    Pitch,
+    PixelPair,
+    Pixels,
+    PixelsOrZeros,
+    PositiveNumber,
+    Resolution,
+    Section,
+)
 
-__all__ = ["CalibratedCameraSection", "CameraSection", "EdgeDetectorSection", "UncertaintySection"]
-
-
-def _read_coefficients(value: object) -> tuple[float, ...]:
-    expected = "plain numbers, such as [-0.1, 0.02, 0, 0, 0]"
-    if not isinstance(value, list) or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
-        raise InputError("not a list of numbers", got=value, expected=expected)
-    return tuple(float(v) for v in value)
-
-
-def _read_ratio(value: object) -> float:
-    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < float("inf"):
-        raise InputError("not a positive number", got=value, expected="a plain number, such as 50")
-    return float(value)
-
+__all__ = ["CalibratedCameraSection", "CameraSection", "read_camera"]
 
 _PITCH = 0.02  # how far the shape of the pixels may be from what the calibration says
-
-Coefficients = Annotated[tuple[float, ...], BeforeValidator(_read_coefficients)]
 
 
 @dataclass(frozen=True)
 class Optics:
-    """Where a camera sees points: the units are those of :class:`Camera`."""
+    """The imaging of points, in the units of :class:`Camera`."""
 
     focal_length_mm: float
     pixel_pitch_mm: tuple[float, float]
@@ -47,62 +48,21 @@ class Optics:
     covariance: tuple[tuple[float, ...], ...] | None
 
 
-class EdgeDetectorSection(Section):
-    """How edges are found: by quantization (the paper's), or sub-pixel, with the noise of an edge point."""
-
-    quantization: PixelsOrZero | None = None
-    noise: PixelsOrZero | None = None
-    signal_to_noise: Annotated[float, BeforeValidator(_read_ratio)] | None = None
-    blur: PixelsOrZero | None = None
-    samples: Annotated[StrictInt, Field(ge=1, le=1000)] = 1
-    smoothing: Pixels | None = None
-    offset: PixelsOrZero = 0.0
-    edge_points: Annotated[StrictInt, Field(ge=2, le=10_000)] | None = None
-    clear_of_corner: PixelsOrZero = 0.0
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
-        if self.quantization is not None:
-            others = [name for name in self.model_fields_set if name != "quantization"]
-            if others:
-                raise InputError(
-                    "a sub-pixel edge detector takes the place of quantization",
-                    key="quantization",
-                    expected=f"quantization, or {', '.join(sorted(others))}",
-                )
-            return self
-        if (self.noise is None) == (self.signal_to_noise is None):
-            raise InputError(
-                "the noise of an edge point is stated once",
-                key="noise" if self.noise is not None else None,
-                expected="noise (px), or signal_to_noise with blur; or quantization (px) alone",
-            )
-        if self.signal_to_noise is not None and self.blur is None:
-            raise InputError("required key missing", key="blur", expected="the lens's blur, such as 0.7 px")
-        if self.noise is not None and (self.blur is not None or self.smoothing is not None or self.samples != 1):
-            raise InputError("noise stands for blur, samples and smoothing", key="noise", expected="it alone")
-        return self
-
-    def build(self) -> EdgeDetector | float:
-        """The edge detector, or the quantization step, px; raises InputError."""
-        if self.quantization is not None:
-            return self.quantization
-        noise = self.noise
-        if noise is None:
-            assert self.signal_to_noise is not None and self.blur is not None  # noqa: PT018  # see _one_way
-            noise = float(edge_point_deviation(self.signal_to_noise, self.blur, self.samples, self.smoothing))
-        return EdgeDetector(noise, self.offset, self.edge_points, self.clear_of_corner)
-
-
 class UncertaintySection(Section):
     """Standard uncertainties of the calibration; without correlations, which a calibration file may state."""
 
-    focal_length: PixelsOrZeros = Field(description="one or two numbers of pixels, such as 0.5 px")
-    principal_point: PixelsOrZeros = Field(description="one or two numbers of pixels, such as 0.8 px")
-    distortion: Coefficients = ()
+    focal_length: PixelsOrZeros = Field(
+        description="the standard uncertainty of the focal length: one or two numbers of pixels, such as 0.5 px"
+    )
+    principal_point: PixelsOrZeros = Field(
+        description="the standard uncertainty of the principal point: one or two numbers of pixels, such as 0.8 px"
+    )
+    distortion: Coefficients = Field(
+        default=(), description="the standard uncertainty of each distortion coefficient: plain numbers; by default 0"
+    )
 
     def covariance(self, coefficients: int) -> tuple[tuple[float, ...], ...]:
-        """Of fx, fy, cx, cy and so many coefficients; raises InputError."""
+        """The covariance of fx, fy, cx, cy and the given number of coefficients; raises InputError."""
         given = self.distortion or (0.0,) * coefficients
         if len(given) != coefficients or min(given, default=0.0) < 0:
             raise InputError(
@@ -119,15 +79,27 @@ class UncertaintySection(Section):
 class _CameraSection(Section):
     """What every camera has; ``edge_detector`` and ``calibration_uncertainty`` are read apart."""
 
-    pixel_pitch: Pitch = Field(description="a length, such as 3.45 um")
-    calibration_uncertainty: Any = None
-    edge_detector: Any = None
-    f_number: FNumber | None = None
-    focus_distance: Length | None = None
-    blur_limit: Pixels = 1.0
+    pixel_pitch: Pitch = Field(
+        description='the width of a pixel, or width and height: a length, such as 3.45 um, or "[3.45, 3.45] um"'
+    )
+    calibration_uncertainty: Annotated[Any, Apart(UncertaintySection)] = Field(
+        default=None, description="standard uncertainties of the calibration; by default it counts as exact"
+    )
+    edge_detector: Annotated[Any, Apart(EdgeDetectorSection)] = Field(
+        default=None, description="how accurately edges are located; by default quantization: 1 px"
+    )
+    f_number: PositiveNumber | None = Field(
+        default=None, description="the aperture, such as 8; with focus_distance. By default all is in focus"
+    )
+    focus_distance: Length | None = Field(
+        default=None, description="the distance in focus, such as 300 mm; with f_number"
+    )
+    blur_limit: Pixels = Field(
+        default=1.0, description="the largest circle of confusion that counts as in focus, by default 1 px"
+    )
 
     _key_of: ClassVar[dict[str, str]]
-    """Which key states what the camera calls otherwise."""
+    """The keys of the file for what :class:`Camera` calls otherwise."""
 
     def _camera(
         self,
@@ -163,12 +135,19 @@ class CameraSection(_CameraSection):
 
     _key_of: ClassVar[dict[str, str]] = {"lens": "distortion"}
 
-    focal_length: Length = Field(description="a length, such as 16 mm")
-    resolution: Resolution = Field(description="columns and rows, such as [2448, 2048]")
-    principal_point: PixelPair | None = None
-    distortion: Coefficients | None = None
-    distortion_model: str = "radial-tangential"
-    calibration: None = None  # with it the section is a CalibratedCameraSection
+    focal_length: Length = Field(description="the focal length: a length, such as 16 mm")
+    resolution: Resolution = Field(description="the image's columns and rows, such as [2448, 2048]")
+    principal_point: PixelPair | None = Field(
+        default=None,
+        description='column and row of the principal point, such as "[1224, 1024] px"; by default the image\'s centre',
+    )
+    distortion: Coefficients | None = Field(
+        default=None, description="distortion coefficients as OpenCV orders them, such as [-0.1, 0.02, 0, 0, 0]"
+    )
+    distortion_model: str = Field(
+        default="radial-tangential", description="the lens model: radial-tangential (the default) or equidistant"
+    )
+    calibration: Annotated[None, Elsewhere()] = None  # with it the section is a CalibratedCameraSection
 
     def build(self, uncertainty: UncertaintySection | None, edge_detector: EdgeDetector | float | None) -> Camera:
         """The camera; raises InputError."""
@@ -191,13 +170,18 @@ class CalibratedCameraSection(_CameraSection):
 
     _key_of: ClassVar[dict[str, str]] = {"lens": "calibration", "intrinsics_covariance": "calibration"}
 
-    calibration: Name
-    calibration_camera: Name | None = None
-    resolution: Resolution | None = None
-    focal_length: Any = None
-    principal_point: Any = None
-    distortion: Any = None
-    distortion_model: Any = None
+    calibration: Name = Field(description="a calibration file of OpenCV, ROS or Kalibr, beside this one")
+    calibration_camera: Name | None = Field(
+        default=None, description="which camera of a file that has several, such as cam0"
+    )
+    resolution: Resolution | None = Field(
+        default=None,
+        description="the image's columns and rows, such as [2448, 2048]; where the calibration does not say",
+    )
+    focal_length: Annotated[Any, Elsewhere()] = None
+    principal_point: Annotated[Any, Elsewhere()] = None
+    distortion: Annotated[Any, Elsewhere()] = None
+    distortion_model: Annotated[Any, Elsewhere()] = None
 
     @model_validator(mode="after")
     def _once(self) -> Self:
@@ -248,3 +232,39 @@ class CalibratedCameraSection(_CameraSection):
                 expected=f"{list(resolution)}, as the calibration file says",
             )
         return resolution
+
+
+_Apart = TypeVar("_Apart", UncertaintySection, EdgeDetectorSection)
+
+
+def read_camera(text: InspectionText) -> Camera | None:
+    """The camera that the section states; None, and the reasons in the problems, if it cannot be."""
+    if "camera" not in text.sections:
+        return None
+    where, value, problems = ("camera",), text.sections["camera"], text.problems
+    uncertainty = _apart(text, "calibration_uncertainty", UncertaintySection)
+    stated = _apart(text, "edge_detector", EdgeDetectorSection)
+    edge_detector = build(stated.build, (*where, "edge_detector"), problems) if stated else None
+    unread = len(problems.found)
+    make: Callable[..., Camera]
+    if isinstance(value, dict) and "calibration" in value:
+        calibrated = validate(CalibratedCameraSection, value, where, problems)
+        if calibrated is None:
+            return None
+        name = calibrated.calibration_camera
+        file = text.read_beside(read_camera_file, calibrated.calibration, (*where, "calibration"), name)
+        if file is None:
+            return None
+        make = partial(calibrated.build, file)
+    else:
+        section = validate(CameraSection, value, where, problems)
+        if section is None:
+            return None
+        make = section.build
+    return build(make, where, problems, uncertainty, edge_detector) if len(problems.found) == unread else None
+
+
+def _apart(text: InspectionText, name: str, model: type[_Apart]) -> _Apart | None:
+    """A section below the camera's as its model; None where it is not stated, or not as it must be."""
+    value = text.below("camera", name)
+    return None if value is None else validate(model, value, ("camera", name), text.problems)

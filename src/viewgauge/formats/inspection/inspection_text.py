@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import TypeVar, cast
 
 from ...exceptions import InspectionFileError
-from ..files.problems import Problems
+from ..files.problems import KeyPath, Problems, dotted
 from ..files.text import read_text
 from ..files.yaml_tree import parse_yaml
 
 __all__ = ["InspectionText", "read_inspection_text"]
+
+_Content = TypeVar("_Content")
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,25 @@ class InspectionText:
                 hint="give it along with the inspection file, and name it without a folder",
             )
         return path
+
+    def below(self, section: str, key: str) -> object:
+        """A value below a section, read apart so that its problems are reported even where the section has others."""
+        value = self.sections.get(section)
+        return value.get(key) if isinstance(value, dict) else None
+
+    def read_beside(
+        self, read: Callable[..., _Content], name: str, where: KeyPath, *arguments: object
+    ) -> _Content | None:
+        """What another file holds; None, and the reason in the problems, where it cannot be read."""
+        path = self.beside(name, dotted(where) or "")
+        try:
+            return read(path, *arguments)
+        except InspectionFileError as error:
+            if path.is_file():
+                self.problems.found.append(error)
+            else:  # then the place to mend is here
+                self.problems.add(where, error.problem, got=path, hint=error.hint)
+            return None
 
 
 def read_inspection_text(path: str | os.PathLike[str], within: Path | None = None) -> InspectionText:

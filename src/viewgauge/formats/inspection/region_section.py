@@ -15,8 +15,9 @@ from ...exceptions import InputError
 from ...planning.candidates.candidate_options import CandidateOptions
 from ...planning.region import Box, ForbiddenBox, Hemisphere, RegionMember, Standoff
 from ..files.problems import KeyPath, Problems
-from .sections import CandidatesSection, ConeSection, Direction, Length, LengthOrZero, Point, Section
+from .candidates_section import CandidatesSection, ConeSection
 from .validation import build, validate
+from .values import Direction, Length, LengthOrZero, Point, Section
 
 __all__ = ["RegionSection", "candidates_section", "read_options", "register_quantity", "register_region"]
 

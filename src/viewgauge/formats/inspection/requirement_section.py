@@ -7,18 +7,18 @@ key: :func:`register`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 
-from pydantic import Field, create_model
+from pydantic import ConfigDict, Field, JsonValue, create_model
 
 from ...evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
 from ...evaluation.requirement.decision_risks import Rule
 from ...exceptions import InputError
 from ..files.problems import KeyPath, Problems
-from .sections import AnyLength, Length, Ratio, Section
 from .validation import build, validate
+from .values import AnyLength, Apart, Length, Ratio, Section
 
-__all__ = ["KINDS", "RequirementKind", "read_requirement", "register", "requirement_model"]
+__all__ = ["KINDS", "RequirementKind", "RequirementSection", "read_requirement", "register", "requirement_model"]
 
 
 class RequirementKind(Protocol):
@@ -58,18 +58,28 @@ def read_requirement(value: object, problems: Problems) -> Requirement | None:
     return build(section.build, where, problems, below)
 
 
-@register
+_INDICES = ("percent_p_to_t", "cg", "cgk")
+_OWN_KINDS = ("accuracy", "error", "fraction_of_tolerance")
+_OWN_SCHEMAS: list[JsonValue] = [{"required": [name, "probability"]} for name in _OWN_KINDS]
+
+
 class CapabilitySection(Section):
     """The capability that the measurement must have."""
 
-    key: ClassVar[str] = "capability"
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [name]} for name in _INDICES]})
 
-    percent_p_to_t: Ratio | None = None
-    cg: Ratio | None = None
-    cgk: Ratio | None = None
-    sigmas: Ratio | None = None
-    share: Ratio | None = None
-    bias: AnyLength | None = None
+    percent_p_to_t: Ratio | None = Field(
+        default=None, description="the precision-to-tolerance ratio, at most this, such as 10 %"
+    )
+    cg: Ratio | None = Field(default=None, description="the capability index Cg, at least this, such as 1.33")
+    cgk: Ratio | None = Field(default=None, description="the capability index Cgk, at least this, such as 1.33")
+    sigmas: Ratio | None = Field(
+        default=None, description="how many standard deviations the index takes as the measurement's spread, such as 6"
+    )
+    share: Ratio | None = Field(
+        default=None, description="which share of the tolerance the index compares with, such as 20 %"
+    )
+    bias: AnyLength | None = Field(default=None, description="the measurement's bias, such as 0.002 mm; with cgk")
 
     @classmethod
     def read(cls, value: object, where: KeyPath, problems: Problems) -> Requirement | None:
@@ -79,7 +89,7 @@ class CapabilitySection(Section):
 
     def build(self) -> CapabilityRequirement:
         """The requirement; raises InputError."""
-        kind, value = _only_one({name: getattr(self, name) for name in ("percent_p_to_t", "cg", "cgk")}, "index")
+        kind, value = _only_one({name: getattr(self, name) for name in _INDICES}, "index")
         options = {"sigmas": self.sigmas, "share": self.share, "bias_mm": self.bias}
         return CapabilityRequirement(kind, value, **{k: v for k, v in options.items() if v is not None})
 
@@ -87,9 +97,19 @@ class CapabilitySection(Section):
 class ProcessSection(Section):
     """How the parts come out of manufacture."""
 
-    standard_deviation: Length | None = None
-    capability: Ratio | None = None
-    offset: AnyLength = 0.0
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["standard_deviation"]}, {"required": ["capability"]}]}
+    )
+
+    standard_deviation: Length | None = Field(
+        default=None, description="the standard deviation of the parts' true sizes, such as 0.02 mm"
+    )
+    capability: Ratio | None = Field(
+        default=None, description="the process's capability index Cp, such as 1.33, in place of standard_deviation"
+    )
+    offset: AnyLength = Field(
+        default=0.0, description="from the middle of the tolerance zone to the mean of the parts, by default 0 mm"
+    )
 
     def build(self) -> Process:
         """The process; raises InputError."""
@@ -102,11 +122,27 @@ class ConformanceSection(Section):
 
     key: ClassVar[str] = "conformance"
 
-    rule: Rule = Field(description="simple, guarded or guarded_rejection")
-    guard: Ratio | None = None
-    process: Any = Field(description="a section with standard_deviation or capability")
-    consumer_risk: Ratio | None = None
-    producer_risk: Ratio | None = None
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [{"required": ["consumer_risk"]}, {"required": ["producer_risk"]}],
+            "if": {"properties": {"rule": {"const": "simple"}}},
+            "then": {"properties": {"guard": False}},
+        }
+    )
+
+    rule: Rule = Field(description="the decision rule: simple, guarded or guarded_rejection")
+    guard: Ratio | None = Field(
+        default=None, description="the guard band as a multiple of the expanded uncertainty, by default 1"
+    )
+    process: Annotated[Any, Apart(ProcessSection)] = Field(
+        description="how the parts come out of manufacture: a section with standard_deviation or capability"
+    )
+    consumer_risk: Ratio | None = Field(
+        default=None, description="the greatest probability of accepting a part that does not conform, such as 0.1 %"
+    )
+    producer_risk: Ratio | None = Field(
+        default=None, description="the greatest probability of rejecting a part that conforms, such as 1 %"
+    )
 
     @classmethod
     def read(cls, value: object, where: KeyPath, problems: Problems) -> Requirement | None:
@@ -133,12 +169,20 @@ class ConformanceSection(Section):
 
 
 class RequirementSection(Section):
-    """How accurately, and with what probability, a characteristic must be measured."""
+    """How accurately a characteristic must be measured, and with what probability; sections below are read apart."""
 
-    accuracy: Ratio | None = None
-    error: Length | None = None
-    fraction_of_tolerance: Ratio | None = None
-    probability: Ratio | None = None
+    model_config = ConfigDict(json_schema_extra={"oneOf": _OWN_SCHEMAS})
+
+    accuracy: Ratio | None = Field(
+        default=None, description="1 minus the allowed error relative to the nominal value, such as 0.999"
+    )
+    error: Length | None = Field(default=None, description="the allowed error: a length, such as 0.05 mm")
+    fraction_of_tolerance: Ratio | None = Field(
+        default=None, description="the allowed error as a share of half the tolerance zone's width, such as 10 %"
+    )
+    probability: Ratio | None = Field(
+        default=None, description="the probability of keeping to the allowed error: a ratio, such as 0.95"
+    )
 
     def build(self, below: Mapping[str, Requirement]) -> Requirement:
         """The requirement, one of those built from the sections below if there is one; raises InputError.

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from ...exceptions import PartFileError
 from ...part import Mesh
-from .orientation import is_watertight, oriented_outward
+from .mesh_part import MeshPart
+from .orientation import oriented_outward
+from .watertight import is_watertight
 
-__all__ = ["MESH_SUFFIXES", "read_mesh"]
-
-MESH_SUFFIXES = (".stl", ".ply", ".obj")
+__all__ = ["read_mesh"]
 
 _Triangles = NDArray[np.int64]
 _SILENT = logging.NullHandler()
@@ -40,7 +40,7 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[Mesh, tuple[str, ...]]:
     triangles = merged.reshape(-1)[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    if len(triangles) and is_watertight(triangles):
+    if is_watertight(triangles):
         outward = oriented_outward(vertices, triangles)
         if (turned := int((outward != triangles).any(axis=1).sum())) > 0:
             notes.append(f"{turned} of {given} triangles faced inward and were turned")
@@ -60,9 +60,9 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[Mesh, tuple[str, ...]]:
 def _load(path: Path) -> tuple[NDArray[np.float64], _Triangles]:
     """Vertices ``(n, 3)`` and triangles ``(m, 3)`` as the file has them."""
     suffix = path.suffix.lower()
-    if suffix not in MESH_SUFFIXES:
+    if suffix not in MeshPart.suffixes:
         raise PartFileError(
-            "not a mesh file by its name", file=path, got=path.suffix, expected=", ".join(MESH_SUFFIXES)
+            "not a mesh file by its name", file=path, got=path.suffix, expected=", ".join(MeshPart.suffixes)
         )
     try:
         size = path.stat().st_size

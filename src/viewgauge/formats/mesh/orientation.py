@@ -7,16 +7,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-__all__ = ["is_watertight", "oriented_outward"]
+from .watertight import triangle_sides
+
+__all__ = ["oriented_outward"]
 
 _Triangles = NDArray[np.int64]
-
-
-def is_watertight(triangles: _Triangles) -> bool:
-    """Whether each edge of the triangles ``(m, 3)`` is shared by exactly two of them."""
-    ends = np.sort(_edges(triangles), axis=1)
-    _, counts = np.unique(ends[:, 0] * (ends.max() + 1) + ends[:, 1], return_counts=True)
-    return bool((counts == 2).all())
 
 
 def oriented_outward(vertices: NDArray[np.float64], triangles: _Triangles) -> _Triangles:
@@ -45,14 +40,9 @@ def oriented_outward(vertices: NDArray[np.float64], triangles: _Triangles) -> _T
     return result
 
 
-def _edges(triangles: _Triangles) -> NDArray[np.int64]:
-    """Directed edges ``(3 m, 2)``; those of triangle i are rows 3 i to 3 i + 2."""
-    return triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-
-
 def _neighbours(triangles: _Triangles) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Pairs ``(k, 2)`` of triangles that share an edge, and whether they run along it in opposite senses."""
-    edges = _edges(triangles)
+    edges = triangle_sides(triangles)
     ordered = np.sort(edges, axis=1)
     order = np.lexsort((ordered[:, 1], ordered[:, 0]))
     first, second = order[::2], order[1::2]  # watertight: equal edges come in twos

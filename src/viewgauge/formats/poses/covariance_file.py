@@ -20,8 +20,8 @@ from ..files.problems import Problems
 from ..files.text import read_text
 from ..files.units import ANGLE, LENGTH, parse_quantity
 from ..files.yaml_tree import parse_yaml
-from ..inspection.sections import Section
 from ..inspection.validation import validate
+from ..inspection.values import Section
 
 __all__ = ["CovarianceFile", "read_covariance", "write_covariance"]
 

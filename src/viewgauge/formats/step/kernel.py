@@ -34,11 +34,12 @@ from OCP.TopoDS import TopoDS
 from ...exceptions import PartFileError
 from ...part.brep import Brep, Edge, Face, Reference
 from ...part.mesh import Mesh
+from ..mesh.watertight import is_watertight
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
 from .pmi import DimensionReader, to_pmi_records
 from .step_text import StepText, not_a_number
 from .step_units import Units
-from .triangle_weld import Weld, is_watertight, signed_volume
+from .triangle_weld import Weld, signed_volume
 
 __all__ = ["read_part"]
 
@@ -192,7 +193,7 @@ class _Topology:
         vertices, triangles = weld.triangles()
         if len(triangles) == 0:
             raise PartFileError("no face of the part could be meshed", expected="a solid part")
-        closed = is_watertight(triangles)
+        closed = is_watertight(triangles, oriented=True)
         if not closed:
             notes.append("The mesh is not watertight: the part's surface has gaps.")
         sign = -1.0 if closed and signed_volume(vertices, triangles) < 0 else 1.0

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Weld", "is_watertight", "signed_volume"]
+__all__ = ["Weld", "signed_volume"]
 
 
 class Weld:
@@ -47,17 +47,6 @@ class Weld:
         triangles = np.concatenate([np.empty((0, 3), dtype=np.int64), *self._triangles])
         a, b, c = triangles.T
         return vertices, triangles[(a != b) & (b != c) & (c != a)]
-
-
-def is_watertight(triangles: NDArray[np.int64]) -> bool:
-    """Whether every side of every triangle is the side of exactly one neighbour, run the other way."""
-    if len(triangles) == 0:
-        return False
-    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    size = np.int64(triangles.max() + 1)
-    forward = np.sort(sides[:, 0] * size + sides[:, 1])
-    backward = np.sort(sides[:, 1] * size + sides[:, 0])
-    return bool(np.array_equal(forward, backward) and np.all(np.diff(forward) > 0))
 
 
 def signed_volume(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:

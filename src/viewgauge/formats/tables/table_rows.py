@@ -1,15 +1,13 @@
-"""The table as rows, one a pair of viewpoint and characteristic: CSV and Parquet, written chunk by chunk in order.
+"""A table as rows, one a pair of viewpoint and characteristic, written chunk by chunk in order.
 
 Chunks may come in any order. One that is early waits on the disk beside the table, so memory holds one chunk.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
@@ -18,49 +16,50 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ...exceptions import InputError
 from ..files.atomic import atomic_path
-from .table_layout import Column, TableLayout
+from .table_layout import TableLayout
 
-__all__ = ["RowTable", "csv_rows"]
+__all__ = ["RowTable", "Sink", "Values"]
 
-_Values = Mapping[str, NDArray[np.generic]]
+Values = Mapping[str, NDArray[np.generic]]
+"""The values of a chunk: for each column its array ``(m, D)``."""
 
+Sink = Callable[[int, Values], None]
+"""Writes the rows of a chunk, given its number."""
 
-_Sink = Callable[[int, _Values], None]
+OpenSink = Callable[[Path, "str | os.PathLike[str]", TableLayout], AbstractContextManager[Sink]]
 
 
 class RowTable:
-    """A CSV or Parquet file under construction: complete at ``path`` when its block ends well, else absent.
+    """A file of rows under construction: complete at ``path`` when its block ends well, else absent.
 
     Parameters
     ----------
-    path
-        Ends in ``.csv`` or ``.parquet``, in any case.
     layout
         What the table consists of.
+    open_sink
+        Opens what writes the rows of a format, given the temporary file, the path and the layout.
 
     Raises
     ------
     InputError
-        If the place cannot be written to or pyarrow, which Parquet needs, is not installed.
+        If the place cannot be written to, or the sink cannot be opened.
     """
 
     done: Mapping[int, Mapping[str, Any]] = {}  # an unfinished file is not kept
 
-    def __init__(self, path: str | os.PathLike[str], layout: TableLayout) -> None:
+    def __init__(self, path: str | os.PathLike[str], layout: TableLayout, open_sink: OpenSink) -> None:
         self._layout = layout
         self._next = 0
         self._early: dict[int, Path] = {}
-        sink = _parquet if Path(path).suffix.lower() == ".parquet" else _csv
         with ExitStack() as stack:
             temporary = stack.enter_context(atomic_path(path))
             beside = None if temporary.exists() else temporary.parent  # a device has no place beside it
             self._aside = Path(stack.enter_context(TemporaryDirectory(prefix=".viewgauge-", dir=beside)))
-            self._sink = stack.enter_context(sink(temporary, path, layout))
+            self._sink = stack.enter_context(open_sink(temporary, path, layout))
             self._stack = stack.pop_all()
 
-    def write(self, first_viewpoint: int, values: _Values, summary: Mapping[str, Any] | None = None) -> None:  # noqa: ARG002 - nothing is kept
+    def write(self, first_viewpoint: int, values: Values, summary: Mapping[str, Any] | None = None) -> None:  # noqa: ARG002 - nothing is kept
         """Write the chunk of viewpoints that begins with ``first_viewpoint``; for each column its array ``(m, D)``."""
         chunk = self._layout.chunk_of(first_viewpoint)
         if chunk < self._next or chunk in self._early:
@@ -90,84 +89,3 @@ class RowTable:
             self._stack.__exit__(ValueError, incomplete, None)
             raise incomplete
         self._stack.__exit__(kind, error, trace)
-
-
-@contextmanager
-def _csv(temporary: Path, path: str | os.PathLike[str], layout: TableLayout) -> Iterator[_Sink]:  # noqa: ARG001 - as _parquet
-    with temporary.open("wb") as stream:
-        header = ["viewpoint", "characteristic", *(column.name for column in layout.row_columns)]
-        stream.write(b",".join(_quoted(header)) + b"\n")
-
-        def sink(chunk: int, values: _Values) -> None:
-            stream.write(csv_rows(layout, chunk, values))
-
-        yield sink
-
-
-def csv_rows(layout: TableLayout, chunk: int, values: _Values) -> bytes:
-    """The lines of a chunk; numbers with the fewest digits that tell them from others, NaN as an empty cell."""
-    from .row_text import row_lines  # its compiler is not loaded for Parquet
-
-    ids = layout.viewpoint_ids[layout.viewpoints(chunk)]
-    columns = [_cells(column, np.asarray(values[column.name]).ravel()) for column in layout.row_columns]
-    return row_lines(_quoted(ids), _quoted(layout.characteristic_ids), columns)
-
-
-def _cells(column: Column, values: NDArray[Any]) -> NDArray[np.float64] | tuple[NDArray[np.integer], Sequence[bytes]]:
-    if column.kind == "real":
-        return values
-    if column.kind == "whole":
-        numbers, index = np.unique(values, return_inverse=True)
-        return index, [str(number).encode() for number in numbers.tolist()]
-    return values, _quoted(column.names) if column.kind == "name" else [b"False", b"True"]
-
-
-def _quoted(texts: Sequence[str]) -> list[bytes]:
-    """Texts as cells of CSV: in quotes where they need them."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="")
-    cells = []
-    for text in texts:
-        if text:  # alone in its row, an empty one would be put in quotes
-            writer.writerow([text])
-        cells.append(buffer.getvalue().encode())
-        buffer.seek(0)
-        buffer.truncate()
-    return cells
-
-
-@contextmanager
-def _parquet(temporary: Path, path: str | os.PathLike[str], layout: TableLayout) -> Iterator[_Sink]:
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-    except ImportError as error:
-        raise InputError(
-            "writing this kind of table needs pyarrow, which is not installed",
-            file=path,
-            hint='pip install "viewgauge[tables]", or write CSV',
-        ) from error
-    types = {"real": pa.float64(), "flag": pa.bool_(), "whole": pa.int64(), "name": pa.string()}
-    columns = layout.row_columns
-    schema = pa.schema(
-        [("viewpoint", pa.string()), ("characteristic", pa.string()), *((c.name, types[c.kind]) for c in columns)]
-    )
-
-    def chosen(names: Sequence[str], index: NDArray[np.int64]) -> Any:
-        return pa.array(names, pa.string()).take(pa.array(index))
-
-    with pq.ParquetWriter(temporary, schema) as writer:
-
-        def sink(chunk: int, values: _Values) -> None:
-            ids = layout.viewpoint_ids[layout.viewpoints(chunk)]
-            pairs = np.indices((len(ids), len(layout.characteristic_ids))).reshape(2, -1)
-            arrays = [chosen(ids, pairs[0]), chosen(layout.characteristic_ids, pairs[1])]
-            for column in columns:
-                flat = np.asarray(values[column.name]).ravel()
-                if column.kind == "name":
-                    arrays.append(chosen(column.names, flat.astype(np.int64)))
-                else:
-                    arrays.append(pa.array(flat, types[column.kind], from_pandas=True))  # NaN is null
-            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
-
-        yield sink

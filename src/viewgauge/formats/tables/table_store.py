@@ -1,4 +1,8 @@
-"""Tables over (viewpoint, characteristic), written chunk by chunk: CSV, Parquet or Zarr, by the file's suffix."""
+"""Tables over (viewpoint, characteristic), written chunk by chunk: CSV, Parquet or Zarr, by the file's suffix.
+
+A further format is a class like :class:`TableFormat` in a file of its own, and its place in ``TABLE_FORMATS``, or
+``TABLE_FORMATS.register(...)`` from outside.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
+from ..files.registry import SuffixRegistry
+from .table_csv import CsvFormat
 from .table_layout import Column, TableLayout
+from .table_parquet import ParquetFormat
+from .table_zarr import ZarrFormat
 
-__all__ = ["Column", "TableLayout", "TableStore", "open_table", "require_table_suffix"]
-
-_SUFFIXES = (".csv", ".parquet", ".zarr")
+__all__ = [
+    "TABLE_FORMATS",
+    "Column",
+    "TableFormat",
+    "TableLayout",
+    "TableStore",
+    "open_table",
+    "require_table_suffix",
+]
 
 
 class TableStore(Protocol):
@@ -49,10 +63,25 @@ class TableStore(Protocol):
     def __exit__(self, *_: Any) -> None: ...
 
 
+class TableFormat(Protocol):
+    """Writes one kind of table."""
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """In lower case, with their point."""
+        ...
+
+    def open(self, path: str | PathLike[str], layout: TableLayout, fingerprint: str | None) -> TableStore:
+        """The table under construction; raises InputError where it cannot be written."""
+        ...
+
+
+TABLE_FORMATS: SuffixRegistry[TableFormat] = SuffixRegistry(CsvFormat(), ParquetFormat(), ZarrFormat())
+
+
 def require_table_suffix(path: str | PathLike[str]) -> None:
     """Raise InputError unless the file's suffix names a known format, before any work is done for it."""
-    if Path(path).suffix.lower() not in _SUFFIXES:
-        raise InputError("this kind of table is not known", file=path, expected=f"a suffix of {', '.join(_SUFFIXES)}")
+    _table_format(path)
 
 
 def open_table(path: str | PathLike[str], layout: TableLayout, fingerprint: str | None = None) -> TableStore:
@@ -65,18 +94,19 @@ def open_table(path: str | PathLike[str], layout: TableLayout, fingerprint: str 
     Parameters
     ----------
     fingerprint
-        All that the content depends on.
+        Text that changes with anything that the content depends on; None to keep nothing.
 
     Raises
     ------
     InputError
         For an unknown suffix, a missing library, or a place that cannot be written.
     """
-    require_table_suffix(path)
-    if Path(path).suffix.lower() == ".zarr":
-        from .table_zarr import ZarrTable
+    return _table_format(path).open(path, layout, fingerprint)
 
-        return ZarrTable(path, layout, fingerprint)
-    from .table_rows import RowTable
 
-    return RowTable(path, layout)
+def _table_format(path: str | PathLike[str]) -> TableFormat:
+    found = TABLE_FORMATS.of(Path(path))
+    if found is None:
+        expected = f"a suffix of {', '.join(TABLE_FORMATS.suffixes)}"
+        raise InputError("this kind of table is not known", file=path, expected=expected)
+    return found

@@ -26,7 +26,7 @@ from ..files.atomic import move_into_place, writing_in
 from ..files.journal import ChunkJournal, read_entry, record_entry
 from .table_layout import TableLayout
 
-__all__ = ["ZarrRegionWriter", "ZarrTable"]
+__all__ = ["ZarrFormat", "ZarrRegionWriter", "ZarrTable"]
 
 _OURS = re.compile(r"\.zarray|\.zattrs|\.zgroup|\d+(\.\d+)*")  # all other files are of writers that were killed
 _IDS_PER_CHUNK = 2**16
@@ -176,6 +176,16 @@ class ZarrTable:
                 if not _OURS.fullmatch(name):
                     Path(folder, name).unlink()
         move_into_place(table, self._path)
+
+
+class ZarrFormat:
+    """Zarr: a folder of arrays, built by several processes, which goes on with an interrupted table; needs zarr."""
+
+    suffixes = (".zarr",)
+
+    def open(self, path: str | os.PathLike[str], layout: TableLayout, fingerprint: str | None) -> ZarrTable:
+        """The table under construction; raises InputError where it cannot be written."""
+        return ZarrTable(path, layout, fingerprint)
 
 
 def partial_path(path: str | os.PathLike[str]) -> Path:

@@ -1,0 +1,45 @@
+"""STEP as a kind of part file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .kernel_process import reading_step
+
+if TYPE_CHECKING:  # the child process that reads is started before anything slow is imported
+    from ...part import Brep, Part
+
+__all__ = ["StepPart"]
+
+
+class StepPart:
+    """Parts in STEP files, with the characteristics of their semantic PMI."""
+
+    name = "STEP"
+    suffixes = (".stp", ".step", ".p21")
+
+    @contextmanager
+    def reading(self, path: Path, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
+        """Begin to read a part in a child process; what the block is given waits for it."""
+        with reading_step(path, chord_error_mm=chord_error_mm) as finish:
+            yield lambda: _part(finish(), path)
+
+
+def _part(brep: Brep, path: Path) -> Part:
+    from ...part import Part
+    from ...part.characteristics import derive_characteristics
+    from ...part.feature_lines import brep_feature_lines
+
+    characteristics, not_measurable = derive_characteristics(brep)
+    return Part(
+        name=brep.name or path.stem,
+        mesh=brep.mesh,
+        characteristics=characteristics,
+        not_measurable=not_measurable,
+        notes=brep.notes,
+        length_unit=brep.length_unit,
+        feature_lines=brep_feature_lines(brep),
+    )
