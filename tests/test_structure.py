@@ -20,6 +20,9 @@ LONG = {
 }
 MANY = {
     "cli/": "a parameter of a command is an option of the command line",
+    "jobs/images/validate.py: validate": "public, with options by keyword",
+    "jobs/planning/plan.py: plan": "public, with options by keyword",
+    "planning/cover/dominance.py: _sift": "compiled: numba knows no objects to group the arrays in",
 }
 """Exceptions, with their reasons: a function, or all of a folder."""
 

@@ -1,4 +1,5 @@
-"""The numbers of docs/howto/averaging.md: what averaging several viewpoints gains on the block, and what limits the gain.
+"""The numbers of docs/howto/averaging.md: what averaging several viewpoints gains on the block, and what limits the
+gain.
 
 Usage: python several_viewpoints.py
 """

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from viewgauge.error_sources import ERROR_SOURCES, Kind, LengthError
+from viewgauge.error_sources import ERROR_SOURCES, LengthError, SourceKind
 from viewgauge.evaluation import Evaluator, Requirement, Setup, image_segment, success_probability
 from viewgauge.evaluation.averaging import averaged_success_probability
 from viewgauge.evaluation.error_budget import SOURCES, averaged_error_budget, error_budget
@@ -105,7 +105,7 @@ def test_the_budget_without_a_source_is_that_of_the_camera_and_pose_error_withou
     """Pose components are taken away one by one in the budget, so the three of a source go by its group."""
     budget = error_budget(SEGMENTS[:, 0], SEGMENTS[:, 1], camera, POSE_ERROR, T)
     expected = success_probability(SEGMENTS[:, 0], SEGMENTS[:, 1], *source.without(camera, POSE_ERROR), T)
-    if source.kind is Kind.POSE or source.kind is Kind.TRIANGULAR:
+    if source.kind is SourceKind.POSE or source.kind is SourceKind.TRIANGULAR:
         found = budget.group_probability_without[source.groups[0]]
     else:
         found = budget.probability_without[:, SOURCES.index(source.components[0].name)]
@@ -114,7 +114,7 @@ def test_the_budget_without_a_source_is_that_of_the_camera_and_pose_error_withou
 
 @pytest.mark.parametrize("source", ERROR_SOURCES, ids=lambda source: source.name)
 def test_a_source_that_is_taken_away_is_gone_and_one_that_is_scaled_is_as_much_larger(source):
-    camera = PLAIN if source.kind is Kind.TRIANGULAR else EVERYTHING
+    camera = PLAIN if source.kind is SourceKind.TRIANGULAR else EVERYTHING
     assert source.size(*source.without(camera, POSE_ERROR)) == 0
     doubled = source.scaled(camera, POSE_ERROR, 2.0)
     one, two = (image_segment(*SEGMENTS[0], *given).total_error().var() for given in ((camera, POSE_ERROR), doubled))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from inspections import CAMERA_KEYS, HEAD_LINES, PART_LINES, REQUIREMENT_LINES
+from inspections import CAMERA_KEYS, PART_LINES, POSE_UNCERTAINTY_LINES, REQUIREMENT_LINES
 from viewgauge.errors import edge_point_deviation
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.geometry import Lens
 from viewgauge.sensors import EdgeDetector
 
-TEXT = PART_LINES + "camera:\n%s\n" + HEAD_LINES + REQUIREMENT_LINES
+TEXT = PART_LINES + "camera:\n%s\n" + POSE_UNCERTAINTY_LINES + REQUIREMENT_LINES
 OWN = CAMERA_KEYS
 FILED = "  calibration: camera.yaml\n  pixel_pitch: 3.45 um\n"
 TOPIC = """\

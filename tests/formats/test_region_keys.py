@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from inspections import POSE_UNCERTAINTY, WHOLE_PIXELS, sections
 from viewgauge.exceptions import InspectionFileError
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
+from viewgauge.part import Mesh, Part
 from viewgauge.planning.region import Box, ForbiddenBox, Hemisphere, Standoff
 
 BASE = (
@@ -14,11 +16,13 @@ BASE = (
     + "candidates:\n"
 )
 
+PART = Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
+
 
 def read(folder, text):
     path = folder / "inspection.yaml"
     path.write_text(BASE + text)
-    return read_inspection_file(path)
+    return read_inspection_file(path).inspection(PART)
 
 
 def test_places_are_read(tmp_path):

@@ -12,8 +12,8 @@ import trimesh
 
 import viewgauge as vg
 from viewgauge.formats.inspection.requirement_section import KINDS, register
-from viewgauge.formats.inspection.sections import Length, Section
 from viewgauge.formats.inspection.validation import build, validate
+from viewgauge.formats.inspection.values import Length, Section
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from breps import face, pmi_record, prism
 from soundness import assert_sound, only_characteristic
-from viewgauge.part.characteristics.selection import LIMIT, Candidate, select
 
 from viewgauge.part import Measurand
+from viewgauge.part.measurands.selection import LIMIT, Candidate, select
 
 SIDES = np.concatenate([np.eye(3), -np.eye(3)])
 

@@ -18,7 +18,7 @@ from viewgauge.exceptions import InputError, NoCandidateError
 from viewgauge.formats.inspection import region_section
 from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.formats.inspection.region_section import RegionSection, register_quantity, register_region
-from viewgauge.formats.inspection.sections import Direction, Length
+from viewgauge.formats.inspection.values import Direction, Length
 from viewgauge.geometry import PoseError, look_at
 from viewgauge.part import Mesh
 from viewgauge.planning import CandidateGrid, CandidateOptions, Refiner, ViewpointPool

@@ -6,7 +6,7 @@ Every camera has the sources of :data:`ERROR_SOURCES`; what a camera has beside 
 compiled form of the linear law is in :mod:`viewgauge.evaluation.camera_errors`.
 """
 
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 from .length_error import LengthError
 from .pose_source import scaled_pose_error
 from .registry import ERROR_SOURCES, components_of, groups_of, sources_of
@@ -16,9 +16,9 @@ __all__ = [
     "Component",
     "DrawnView",
     "ErrorSource",
-    "Kind",
     "LengthError",
     "LinearTerms",
+    "SourceKind",
     "components_of",
     "groups_of",
     "scaled_pose_error",

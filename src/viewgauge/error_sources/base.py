@@ -15,10 +15,10 @@ from scipy.special import ndtri
 from ..geometry import PoseError
 from ..sensors import Camera
 
-__all__ = ["Component", "DrawnView", "ErrorSource", "Kind", "LinearTerms"]
+__all__ = ["Component", "DrawnView", "ErrorSource", "LinearTerms", "SourceKind"]
 
 
-class Kind(Enum):
+class SourceKind(Enum):
     """How the errors of a source are distributed."""
 
     POSE = "normal, of the camera's pose, correlated with the other errors of the pose"
@@ -113,7 +113,7 @@ class ErrorSource(ABC):
     """
 
     name: ClassVar[str]
-    kind: ClassVar[Kind]
+    kind: ClassVar[SourceKind]
     components: ClassVar[tuple[Component, ...]]
     groups: ClassVar[tuple[str, ...]]
     knobs: ClassVar[tuple[str, ...]] = ()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..geometry import Lens, PoseError
 from ..geometry.lens import distort_each
 from ..sensors import Camera
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["Calibration", "covariance_factor"]
 
@@ -21,7 +21,7 @@ class Calibration(ErrorSource):
     """The true intrinsics differ from the nominal ones by an error that all acquisitions share."""
 
     name = "calibration"
-    kind = Kind.COMMON
+    kind = SourceKind.COMMON
     components = (Component("calibration", "calibration", "calibration"),)
     groups = ("camera",)
 

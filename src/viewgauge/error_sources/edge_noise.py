@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from ..geometry import PoseError
 from ..sensors import Camera
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["EdgeNoise", "end_deviation_px"]
 
@@ -23,7 +23,7 @@ class EdgeNoise(ErrorSource):
     """
 
     name = "edge_noise"
-    kind = Kind.ANEW
+    kind = SourceKind.ANEW
     components = (Component("edge_noise", "edges", "edge location"),)
     groups = ("camera",)
     knobs = ("pixel",)

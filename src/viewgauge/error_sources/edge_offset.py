@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry import PoseError
 from ..sensors import Camera
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["EdgeOffset"]
 
@@ -18,7 +18,7 @@ class EdgeOffset(ErrorSource):
     """The same offset of both ends, outwards, at every acquisition (exposure, blooming, focus)."""
 
     name = "edge_offset"
-    kind = Kind.COMMON
+    kind = SourceKind.COMMON
     components = (Component("edge_offset", "edges", "edge location"),)
     groups = ("camera",)
     knobs = ("pixel",)

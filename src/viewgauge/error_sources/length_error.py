@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry import PoseError
 from ..sensors import Camera
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["LengthError"]
 
@@ -38,7 +38,7 @@ class LengthError(ErrorSource):
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         if hasattr(cls, "name"):
-            cls.kind = Kind.COMMON if cls.common else Kind.ANEW
+            cls.kind = SourceKind.COMMON if cls.common else SourceKind.ANEW
             cls.components = (Component(cls.name, cls.name, cls.words),)
             cls.knobs = (cls.name,)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry import PoseError
 from ..sensors import Camera
-from .base import ErrorSource, Kind, LinearTerms
+from .base import ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["PoseSource", "scaled_pose_error"]
 
@@ -37,7 +37,7 @@ class PoseSource(ErrorSource):
         Which of [x, y, z, rx, ry, rz].
     """
 
-    kind = Kind.POSE
+    kind = SourceKind.POSE
     of_pose: ClassVar[slice]
 
     def deviation(self, pose_error: PoseError) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry import PoseError
 from ..sensors import Camera
-from .base import Component, DrawnView, ErrorSource, Kind, LinearTerms
+from .base import Component, DrawnView, ErrorSource, LinearTerms, SourceKind
 
 __all__ = ["Quantization"]
 
@@ -18,7 +18,7 @@ class Quantization(ErrorSource):
     """Each end is located within half a step along u and v, uniformly; a sub-pixel edge detector has none."""
 
     name = "quantization"
-    kind = Kind.TRIANGULAR
+    kind = SourceKind.TRIANGULAR
     components = (Component("pixel_u", "u", "pixels along u"), Component("pixel_v", "v", "pixels along v"))
     groups = ("pixels", "camera")
     knobs = ("pixel",)

@@ -30,7 +30,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..error_sources import Kind, LengthError, sources_of
+from ..error_sources import LengthError, SourceKind, sources_of
 from ..errors import line_end_variance
 from ..errors.edge_location import chord_variance
 from ..geometry import VIEWS, Lens
@@ -151,7 +151,7 @@ def _further_errors(camera: Camera) -> list[LengthError]:
 
 def _with_further(known: CameraErrors, error: LengthError, deviation_mm: NDArray[np.float64]) -> CameraErrors:
     """Camera errors and one more, of which a standard deviation changes lengths by ``(...)`` mm."""
-    if error.kind is Kind.ANEW:
+    if error.kind is SourceKind.ANEW:
         own = known.own_variance_mm2 + deviation_mm**2
         anew = known.anew_mm2 | {error.name: deviation_mm**2}
         return replace(known, own_variance_mm2=own, anew_mm2=anew)

@@ -14,8 +14,8 @@ from ..error_sources import (
     ERROR_SOURCES,
     Component,
     ErrorSource,
-    Kind,
     LinearTerms,
+    SourceKind,
     components_of,
     groups_of,
     sources_of,
@@ -110,7 +110,7 @@ class _Sources:
             yield source, slice(place, place + len(source.components))
             place += len(source.components)
 
-    def places(self, kind: Kind) -> list[int]:
+    def places(self, kind: SourceKind) -> list[int]:
         """Of the components of the sources of a kind."""
         return [k for source, places in self if source.kind is kind for k in range(places.start, places.stop)]
 
@@ -185,7 +185,7 @@ def error_budget(
         )
     )
     covariance = np.diag(sources.uncertainty**2)  # mm, rad, px and others; the errors of the pose are correlated
-    pose, quantized = sources.places(Kind.POSE), sources.places(Kind.TRIANGULAR)
+    pose, quantized = sources.places(SourceKind.POSE), sources.places(SourceKind.TRIANGULAR)
     covariance[np.ix_(pose, pose)] = error.covariance
     terms = J[..., :, None] * covariance * J[..., None, :]
     variance = np.maximum(terms.sum(axis=(-2, -1)), 0.0)
@@ -274,7 +274,7 @@ def _terms_of_mean(acquisitions: Acquisitions, sources: _Sources) -> NDArray[np.
     k, count = len(acquisitions), len(components_of(sources.sources))
     terms = np.zeros((count, count))
     mean, camera_mean = acquisitions.gradient.mean(axis=0), acquisitions.camera_gradient.mean(axis=0)
-    pose = np.ix_(sources.places(Kind.POSE), sources.places(Kind.POSE))
+    pose = np.ix_(sources.places(SourceKind.POSE), sources.places(SourceKind.POSE))
     terms[pose] = np.outer(mean, mean) * acquisitions.common_covariance
     terms[pose] += (
         np.einsum("np,nq->pq", acquisitions.gradient, acquisitions.gradient)
@@ -283,11 +283,11 @@ def _terms_of_mean(acquisitions: Acquisitions, sources: _Sources) -> NDArray[np.
     )
     for source, place in sources:
         at = np.arange(place.start, place.stop)
-        if source.kind is Kind.TRIANGULAR:
+        if source.kind is SourceKind.TRIANGULAR:
             terms[at, at] = (acquisitions.half_widths_mm**2).sum(axis=0) / 6 / k**2
-        elif source.kind is Kind.ANEW:
+        elif source.kind is SourceKind.ANEW:
             terms[at, at] = acquisitions.anew_mm2[source.name].sum() / k**2
-        elif source.kind is Kind.COMMON and source.name in acquisitions.places:
+        elif source.kind is SourceKind.COMMON and source.name in acquisitions.places:
             part = acquisitions.places[source.name]
             g = camera_mean[part]
             terms[at, at] = g @ acquisitions.camera_covariance[part, part] @ g
@@ -299,14 +299,14 @@ def _kept(acquisitions: Acquisitions, sources: _Sources, kept: NDArray[np.float6
     camera_kept = np.ones(acquisitions.camera_gradient.shape[1])
     anew = dict(acquisitions.anew_mm2)
     for source, place in sources:
-        if source.kind is Kind.ANEW:
+        if source.kind is SourceKind.ANEW:
             anew[source.name] = anew[source.name] * kept[place.start]
-        elif source.kind is Kind.COMMON and source.name in acquisitions.places:
+        elif source.kind is SourceKind.COMMON and source.name in acquisitions.places:
             camera_kept[acquisitions.places[source.name]] = kept[place.start]
     return replace(
         acquisitions,
-        gradient=acquisitions.gradient * kept[sources.places(Kind.POSE)],
-        half_widths_mm=acquisitions.half_widths_mm * kept[sources.places(Kind.TRIANGULAR)],
+        gradient=acquisitions.gradient * kept[sources.places(SourceKind.POSE)],
+        half_widths_mm=acquisitions.half_widths_mm * kept[sources.places(SourceKind.TRIANGULAR)],
         location_variance_mm2=np.sum(list(anew.values()), axis=0),
         camera_gradient=acquisitions.camera_gradient * camera_kept,
     )

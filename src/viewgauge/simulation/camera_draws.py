@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..error_sources import DrawnView, ErrorSource, Kind, sources_of
+from ..error_sources import DrawnView, ErrorSource, SourceKind, sources_of
 from ..error_sources.registry import CALIBRATION
 from ..sensors import Camera
 
@@ -47,7 +47,7 @@ class CameraDraws:
 
     def with_common(self, other: CameraDraws, camera: Camera) -> CameraDraws:
         """These, with what is common to all acquisitions from another draw of the same camera."""
-        common = {s.name: other.by_source[s.name] for s in _drawing(camera) if s.kind is Kind.COMMON}
+        common = {s.name: other.by_source[s.name] for s in _drawing(camera) if s.kind is SourceKind.COMMON}
         return CameraDraws({**self.by_source, **common})
 
 

@@ -70,4 +70,3 @@ class CandidatesSection(Section):
         if cone is not None:
             given |= {"cone_axis": cone.axis, "cone_half_angle_rad": cone.half_angle}
         return CandidateOptions(**{name: value for name, value in given.items() if value is not None})
-

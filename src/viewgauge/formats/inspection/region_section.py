@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, create_model, model_validator
 
@@ -17,7 +17,7 @@ from ...planning.region import Box, ForbiddenBox, Hemisphere, RegionMember, Stan
 from ..files.problems import KeyPath, Problems
 from .candidates_section import CandidatesSection, ConeSection
 from .validation import build, validate
-from .values import Direction, Length, LengthOrZero, Point, Section
+from .values import Apart, Direction, Length, LengthOrZero, Point, Section
 
 __all__ = ["RegionSection", "candidates_section", "read_options", "register_quantity", "register_region"]
 
@@ -74,7 +74,11 @@ def register_region(key: str, section: type[RegionSection], description: str, *,
     listed
         The value is a list, each entry of which is read as a section and makes a member.
     """
-    _register(key, _RegionKey(list[Any] if listed else Any, description, section, listed))
+    _register(key, _RegionKey(_apart(section, listed), description, section, listed))
+
+
+def _apart(section: type[RegionSection], listed: bool) -> Any:
+    return Annotated[list[Any] | None if listed else Any, Apart(section, listed=listed)]
 
 
 def register_quantity(key: str, quantity: Any, description: str, make: Callable[[Any], RegionMember]) -> None:

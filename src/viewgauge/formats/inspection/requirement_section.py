@@ -34,7 +34,7 @@ class RequirementKind(Protocol):
 
 _Kind = TypeVar("_Kind", bound=type[RequirementKind])
 
-KINDS: dict[str, type[RequirementKind]] = {}
+KINDS: dict[str, Any] = {}
 """By their key below ``requirement``."""
 
 
@@ -63,8 +63,11 @@ _OWN_KINDS = ("accuracy", "error", "fraction_of_tolerance")
 _OWN_SCHEMAS: list[JsonValue] = [{"required": [name, "probability"]} for name in _OWN_KINDS]
 
 
+@register
 class CapabilitySection(Section):
     """The capability that the measurement must have."""
+
+    key: ClassVar[str] = "capability"
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [name]} for name in _INDICES]})
 
@@ -218,8 +221,16 @@ class RequirementSection(Section):
 
 def requirement_model() -> type[RequirementSection]:
     """The section's model with a key for each kind that is registered; the sections below are read apart."""
-    kinds: dict[str, Any] = dict.fromkeys(KINDS, (Any, None))
-    return create_model("RequirementSection", __base__=RequirementSection, **kinds)
+    kinds: dict[str, Any] = {
+        key: (Annotated[Any, Apart(kind)], Field(default=None, description=f"in place of an allowed error: {key}"))
+        for key, kind in KINDS.items()
+    }
+    below: list[JsonValue] = [{"required": [key], "properties": {"probability": False}} for key in KINDS]
+
+    class WithKinds(RequirementSection):
+        model_config = ConfigDict(json_schema_extra={"oneOf": [*_OWN_SCHEMAS, *below]})
+
+    return create_model("RequirementSection", __base__=WithKinds, **kinds)
 
 
 def _only_one(stated: Mapping[str, Any], what: str) -> tuple[str, Any]:

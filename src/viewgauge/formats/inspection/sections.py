@@ -11,7 +11,7 @@ from .camera_section import CameraSection
 from .part_section import PartSection
 from .pose_uncertainty_section import PoseUncertaintySection
 from .region_section import candidates_section
-from .requirement_section import RequirementSection
+from .requirement_section import requirement_model
 from .values import AngleOrZero, Apart, CountOrZero, PixelsOrZero, Section
 
 __all__ = ["AveragingSection", "InspectionSections", "ObservationSection"]
@@ -61,7 +61,7 @@ class InspectionSections(Section):
     pose_uncertainty: Annotated[Any, Apart(PoseUncertaintySection)] = Field(
         description="the uncertainty of the camera's pose: a section with translation and rotation, or covariance"
     )
-    requirement: Annotated[Any, Apart(RequirementSection)] = Field(
+    requirement: Annotated[Any, Apart(requirement_model())] = Field(
         description="how accurately to measure: a section with accuracy, error or fraction_of_tolerance, and "
         "probability; or with another kind"
     )

@@ -1,1 +1,6 @@
 """Triangle meshes: STL, PLY and OBJ files."""
+
+__all__ = ["MESH_SUFFIXES"]
+
+MESH_SUFFIXES = (".stl", ".ply", ".obj")
+"""Of the files that are read."""

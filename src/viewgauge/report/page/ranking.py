@@ -6,7 +6,7 @@ from ...planning.plan import Plan, PlannedCharacteristic, Status
 
 __all__ = ["STATUS_WORDS", "ranked"]
 
-STATUS_WORDS: dict[Status, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
+STATUS_WORDS = {Status.NOT_MET: "not met", Status.NOT_MEASURABLE: "not measurable", Status.MET: "met"}
 
 
 def ranked(plan: Plan) -> list[PlannedCharacteristic]:
