@@ -20,6 +20,10 @@ LONG = {
 }
 MANY = {
     "cli/": "a parameter of a command is an option of the command line",
+    "errors/independent/ratio_sum.py: evaluate_laws": "compiled as a generalized ufunc: numba knows no objects",
+    "formats/tables/row_text.py: _write_rows": "compiled: numba knows no objects to group the arrays in",
+    "jobs/evaluate.py: evaluate_into": "public, with options by keyword",
+    "jobs/images/simulate.py: simulate": "public, with options by keyword",
     "jobs/images/validate.py: validate": "public, with options by keyword",
     "jobs/planning/plan.py: plan": "public, with options by keyword",
     "planning/cover/dominance.py: _sift": "compiled: numba knows no objects to group the arrays in",
@@ -99,7 +103,7 @@ def test_no_function_has_many_parameters():
         if count > MOST_PARAMETERS and not is_compiled(node):
             many[f"{path}: {node.name}"] = count
     excused = {name for name in many if any(name.startswith(key) for key in MANY)}
-    assert not many.keys() - excused, many
+    assert not many.keys() - excused, {name: many[name] for name in many.keys() - excused}
     assert all(any(name.startswith(key) for name in many) for key in MANY), "an exception that nothing needs"
 
 

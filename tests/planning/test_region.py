@@ -20,7 +20,7 @@ from viewgauge.formats.inspection.inspection_file import read_inspection_file
 from viewgauge.formats.inspection.region_section import RegionSection, register_quantity, register_region
 from viewgauge.formats.inspection.values import Direction, Length
 from viewgauge.geometry import PoseError, look_at
-from viewgauge.part import Mesh
+from viewgauge.part import Mesh, Part
 from viewgauge.planning import CandidateGrid, CandidateOptions, Refiner, ViewpointPool
 from viewgauge.planning.bounds import certify, viewpoints_lower_bound
 from viewgauge.planning.region import (
@@ -413,6 +413,8 @@ candidates:
   upright: {axis: [0, 1, 0]}
   ball: 12 cm
 """)
-    assert read_inspection_file(path).candidates.regions == (Upright((0.0, 1.0, 0.0)), Ball(120.0))
+    assert read_inspection_file(path).inspection(
+        Part("part", Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
+    ).candidates.regions == (Upright((0.0, 1.0, 0.0)), Ball(120.0))
     with pytest.raises(InputError, match="how candidates are sampled"):
         register_region("cone", _UprightSection, "a key that exists")

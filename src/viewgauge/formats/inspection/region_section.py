@@ -101,7 +101,11 @@ def _register(key: str, read: _RegionKey) -> None:
 def candidates_section() -> type[CandidatesSection]:
     """The section ``candidates`` with the keys of all registered members."""
     fields: dict[str, Any] = {
-        name: (key.field | None, Field(default=None, description=key.description)) for name, key in _KEYS.items()
+        name: (
+            key.field if key.section is not None else key.field | None,
+            Field(default=None, description=key.description),
+        )
+        for name, key in _KEYS.items()
     }
     made: type[CandidatesSection] = create_model("CandidatesSection", __base__=CandidatesSection, **fields)
     return made
@@ -177,9 +181,17 @@ class ForbiddenBoxSection(_CornersSection):
 class HemisphereSection(RegionSection):
     """The side of a plane on which the camera stays, such as above the table."""
 
-    centre: Point | None = None
-    axis: Direction = (0.0, 0.0, 1.0)
-    radius: Length | None = None
+    centre: Point | None = Field(
+        default=None,
+        description='a point of the plane, such as "[0, 0, 10] mm"; by default the middle of the measurands',
+    )
+    axis: Direction = Field(
+        default=(0.0, 0.0, 1.0),
+        description="the direction towards the camera's side, part frame: three numbers, by default [0, 0, 1]",
+    )
+    radius: Length | None = Field(
+        default=None, description="how far from the centre the camera may be, such as 600 mm; by default any distance"
+    )
 
     def build(self) -> Hemisphere:
         """The hemisphere; raises InputError."""
