@@ -1,4 +1,4 @@
-"""All pictures of the block's plan, and what the plan would be worth with another head.
+"""All pictures of the block's plan, and what the plan would be worth with another pose uncertainty.
 
 Usage: python pictures.py FOLDER
 
@@ -19,7 +19,7 @@ OF_ALL, OF_ONE = ("scene", "table", "budget"), ("laws", "accuracy", "directions"
 
 
 def main(folder: Path) -> None:
-    """Draw, and print what heads that hold their position more or less well would do to the plan."""
+    """Draw, and print what the plan would be worth with a camera position that is held more or less well."""
     folder.mkdir(parents=True, exist_ok=True)
     inspection = vg.load(HERE / "inspection.yaml")
     plan = vg.read_plan(HERE / "plan") if (HERE / "plan" / "plan.json").exists() else vg.plan(inspection)
@@ -37,7 +37,7 @@ def main(folder: Path) -> None:
             f"{answers.met} of {len(answers.characteristics)} met, weakest {weakest.characteristic.id} "
             f"{weakest.probability:.5f}"
         )
-        print(f"head good to {translation} mm: {reported}")
+        print(f"position held to {translation} mm: {reported}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The numbers of docs/howto/acquisitions.md: what averaging several viewpoints gains on the block, and what limits the
+"""The numbers of docs/howto/averaging.md: what averaging several viewpoints gains on the block, and what limits the
 gain.
 
 Usage: python several_viewpoints.py
@@ -47,17 +47,17 @@ def main() -> None:
     met = sum(characteristic.status == "met" for characteristic in plan.characteristics)
     print(f"one acquisition: {met} of {len(plan.characteristics)} characteristics met from {plan.count} viewpoints\n")
 
-    print("looks at most | met | viewpoints")
+    print("acquisitions at most | met | viewpoints")
     for most in (2, 3, 4, 8):
         added = averaged(job, planned, most)
-        print(f"{most:13} | {met + len(added.characteristics):3} | {plan.count + len(added.viewpoints)}")
+        print(f"{most:20} | {met + len(added.characteristics):3} | {plan.count + len(added.viewpoints)}")
 
-    print(f"\ndimension | best acquisition | mean | acquisitions, at most {inspection.acquisitions}")
-    for entry in averaged(job, planned, inspection.acquisitions).characteristics:
+    print(f"\ncharacteristic | best acquisition | mean | acquisitions, at most {inspection.averaged_viewpoints}")
+    for entry in averaged(job, planned, inspection.averaged_viewpoints).characteristics:
         name = job.characteristics[entry.characteristic].id
-        print(f"{name:9} | {entry.probability_single:9.3f} | {entry.probability:.3f} | {len(entry.acquisitions)}")
+        print(f"{name:14} | {entry.probability_single:16.3f} | {entry.probability:.3f} | {len(entry.acquisitions)}")
 
-    print("\nof the same error of an acquisition | met with at most 3")
+    print("\ncommon part of the pose error | met with at most 3")
     pose_error = inspection.pose_error
     for said, share in (("nothing common", 0.0), ("half of the variance common", 0.5), ("all common", 1.0)):
         other = vg.PoseError(
@@ -65,8 +65,8 @@ def main() -> None:
             T_camera_frame=pose_error.T_camera_frame,
             common_covariance=share * pose_error.covariance,
         )
-        added = averaged(replace(job, pose_error=other), planned, 3)
-        print(f"{said:27} | {met + len(added.characteristics)}")
+        added = averaged(replace(job, setup=replace(job.setup, pose_error=other)), planned, 3)
+        print(f"{said:29} | {met + len(added.characteristics)}")
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ class PoseErrorEstimate:
     Parameters
     ----------
     covariance
-        ``(6, 6)``: about the mean; of the head alone, where the noise of measuring it is known.
+        ``(6, 6)``: about the mean; of the pose error alone, where the noise of measuring it is known.
     mean
         ``(6,)``: the systematic part, which a calibration can take away; zero for repeated visits.
     degrees_of_freedom
