@@ -158,7 +158,7 @@ def quantization(folder: Path, viewpoints: int, acquisitions: int) -> list[str]:
 def spread_of_rounding(fraction: float, sigma: float, draws: int = 200_000) -> float:
     """Standard deviation, px, of a length along the rows, 120 px and a fraction, whose ends are put to the grid.
 
-    The head shifts both by pixels, and moves them apart by sigma.
+    The pose error shifts both by pixels, and moves them apart by sigma.
     """
     rng = np.random.default_rng(1998)
     start = 20 * rng.standard_normal(draws)

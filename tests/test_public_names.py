@@ -93,7 +93,7 @@ def test_the_error_laws_are_there():
 
 
 def test_an_unknown_name_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="attribute '?plann"):
+    with pytest.raises(AttributeError, match=r"attribute '?plann"):
         _ = vg.plann
 
 

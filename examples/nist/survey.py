@@ -89,7 +89,7 @@ def main(folder: Path) -> None:
         details += [f"\n## {inspection_file.stem.upper().replace('_', '-')}\n", *reasons]
     print("# The NIST CTC parts\n")
     print(f"Made by `{COMMAND}`, with the inspection files of `examples/nist/`: 12 megapixels, a 25 mm lens,")
-    print("0.1 px edges, a head good to 0.05 mm and 0.01 deg; 10 % of the tolerance at 95 %.\n")
+    print("0.1 px edges, a camera pose good to 0.05 mm and 0.01 deg; 10 % of the tolerance at 95 %.\n")
     print(
         "A PMI record is one characteristic of the semantic PMI; on a pattern it is one characteristic per "
         "feature. Viewpoints are "

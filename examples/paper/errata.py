@@ -28,7 +28,7 @@ from viewgauge.errors import (
     projected_length_on_axis,
 )
 
-# the example of the page: a 16 mm lens, a point half a metre away, an error of the head in all six directions
+# the example of the page: a 16 mm lens, a point half a metre away, a pose error in all six directions
 F = 16.0
 POINT = np.array([40.0, -25.0, 500.0])  # camera frame, mm
 C1, C2, C3 = POINT + np.array([0, 0, F])  # the paper's frame

@@ -211,7 +211,7 @@ def family() -> tuple[dict[Choice, Experiment], Counter[str]]:
 def refine() -> tuple[Unknowns, Unknowns, float]:
     """The reconstruction approximately, before rounding, and the residual of the latter.
 
-    The head's errors are held at round numbers; direction and distance are freed instead.
+    The pose error is held at round numbers; direction and distance are freed instead.
     """
     first = approximate(*CHOSEN)
     found, _ = solve(first, ("image_angle", "far"), CHOSEN[0])

@@ -63,14 +63,14 @@ class Viewpoint:
 
 @dataclass(frozen=True)
 class Experiment:
-    """Camera, head, E2 and the five viewpoints.
+    """Camera, pose error, E2 and the five viewpoints.
 
     Parameters
     ----------
     focal_length_mm, pixel_pitch_mm, resolution
         The camera.
     translation_mm, rotation_rad
-        Standard deviations of the head's errors, equal along the three axes as in the paper's section III.
+        Standard deviations of the pose error, equal along the three axes as in the paper's section III.
     length_mm
         Length of E2.
     image_angle_deg
@@ -418,14 +418,14 @@ def spread_table(rows: list[Row]) -> str:
 
 
 def remedy_table(experiment: Experiment) -> str:
-    """What a better edge detector or a better head would do, by both models."""
+    """What a better edge detector or a smaller pose error would do, by both models."""
     half_pose_error = replace(
         experiment, translation_mm=experiment.translation_mm / 2, rotation_rad=experiment.rotation_rad / 2
     )
     cases = {
         "as it is": experiment,
         "edges to 0.1 px": replace(experiment, edge_resolution_px=0.1),
-        "head errors halved": half_pose_error,
+        "pose errors halved": half_pose_error,
     }
     return markdown(
         ["case", "model", *(viewpoint.name for viewpoint in experiment.viewpoints)],

@@ -1,6 +1,6 @@
 """From samples of the pose error to its covariance, with confidence, and whether a normal law is fair.
 
-Head frame, perturbation on the left, translation first; mm and rad.
+Pose error frame, perturbation on the left, translation first; mm and rad.
 """
 
 from __future__ import annotations
