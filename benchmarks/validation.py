@@ -305,7 +305,7 @@ def main() -> int:
     given.folder.mkdir(parents=True, exist_ok=True)
     for name, part in PARTS.items():
         if given.part in (None, name):
-            lines = part(given.folder, given.viewpoints, given.acquisitions)
+            lines = part(given.folder, given.viewpoints, given.repeats)
             (given.folder / f"{name}.md").write_text("\n".join(lines) + "\n")
             print("\n".join([f"## {name}", "", *lines, ""]))
     return 0

@@ -91,7 +91,7 @@ def main() -> None:
             workbench = open_workbench(file, inspection, plan, port=0)
             page = browser.new_page(viewport={"width": 1400, "height": 900})
             page.goto(workbench.address)
-            page.edge_detector(".verdict").wait_for()
+            page.locator(".verdict").wait_for()
             page.wait_for_timeout(5000)
             page.evaluate("for (const b of document.querySelectorAll('.mantine-Notification-closeButton')) b.click()")
             print(row("  seen", seen_ms(page)))

@@ -44,8 +44,8 @@ def shoot_report(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> 
         page.wait_for_timeout(3000)
         save(page.screenshot(), "slotted_block_report.png")
         page.set_viewport_size({"width": 1320, "height": 620})
-        page.edge_detector("details.law").nth(0).edge_detector("summary").click()
-        page.edge_detector("#views").scroll_into_view_if_needed()
+        page.locator("details.law").nth(0).locator("summary").click()
+        page.locator("#views").scroll_into_view_if_needed()
         page.evaluate("document.getElementById('views').scrollIntoView()")
         page.set_viewport_size({"width": 1320, "height": 1180})
         page.wait_for_timeout(1500)
@@ -60,7 +60,7 @@ def visited(browser: Browser, path: Path, inspection: vg.Inspection, plan: vg.Pl
     page = browser.new_page(viewport={"width": 1500, "height": height})
     try:
         page.goto(workbench.address)
-        page.edge_detector(".verdict").wait_for()
+        page.locator(".verdict").wait_for()
         page.wait_for_timeout(4000)
         page.evaluate("for (const b of document.querySelectorAll('.mantine-Notification-closeButton')) b.click()")
         page.wait_for_timeout(1000)
@@ -72,9 +72,9 @@ def visited(browser: Browser, path: Path, inspection: vg.Inspection, plan: vg.Pl
 
 def folder(page: Page, name: str, *, opened: bool = True) -> None:
     """Open or close a folder of controls."""
-    pose_error = page.get_by_role("button", name=name, exact=True)
-    if pose_error.get_attribute("aria-expanded") != str(opened).lower():
-        pose_error.click()
+    button = page.get_by_role("button", name=name, exact=True)
+    if button.get_attribute("aria-expanded") != str(opened).lower():
+        button.click()
         page.wait_for_timeout(500)
 
 
@@ -92,7 +92,7 @@ def turn(page: Page, label: str, value: str) -> None:
 
 
 def shoot_block(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> None:
-    """The block: as planned, and with a worse head, dark, from all directions."""
+    """The block: as planned, and with a position that is held less well, dark, from all directions."""
     with visited(browser, BLOCK, inspection, plan, 940) as page:
         folder(page, "Show")
         page.get_by_label("Names of the characteristics").check()

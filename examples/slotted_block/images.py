@@ -15,10 +15,9 @@ from collections import Counter
 from pathlib import Path
 
 import viewgauge as vg
-from viewgauge.simulation.image_sensor import Sensor
 
 FILE = Path(__file__).parent / "real_camera.yaml"
-ACQUISITIONS = 4
+REPEATS = 4
 
 
 def main(folder: Path) -> int:
@@ -26,12 +25,10 @@ def main(folder: Path) -> int:
     inspection = vg.load(FILE, chord_error_mm=0.002)
     plan = vg.plan(inspection, prove=False)
     vg.write_plan(plan, inspection, folder / "plan")
-    sensor = Sensor(blur_px=0.6, noise=0.005)
-    vg.simulate(
-        inspection, folder / "images", folder / "plan" / "viewpoints.csv", acquisitions=ACQUISITIONS, sensor=sensor
-    )
+    sensor = vg.ImageSensor(blur_px=0.6, noise=0.005)
+    vg.simulate(inspection, folder / "images", folder / "plan" / "viewpoints.csv", repeats=REPEATS, sensor=sensor)
     rows = vg.measure(inspection, folder / "plan", folder / "images", folder / "measured")
-    print(f"{plan.count} viewpoints, {ACQUISITIONS} images of each\n")
+    print(f"{plan.count} viewpoints, {REPEATS} images of each\n")
     print("characteristic | nominal | mean of measured / mm | U / mm | verdicts")
     for name in dict.fromkeys(row.characteristic for row in rows):
         mine = [row for row in rows if row.characteristic == name]
@@ -39,7 +36,7 @@ def main(folder: Path) -> int:
         mean = f"{sum(values) / len(values):.4f}" if values else "-"
         largest = max((row.expanded_uncertainty_mm or 0.0 for row in mine), default=0.0)
         reported = ", ".join(f"{count} {verdict}" for verdict, count in Counter(row.verdict for row in mine).items())
-        print(f"{name:9} | {mine[0].nominal_mm:7g} | {mean:>21} | {largest:6.4f} | {reported}")
+        print(f"{name:14} | {mine[0].nominal_mm:7g} | {mean:>21} | {largest:6.4f} | {reported}")
     return int(any(row.verdict == "fail" for row in rows))
 
 

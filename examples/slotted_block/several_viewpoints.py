@@ -57,7 +57,7 @@ def main() -> None:
         name = job.characteristics[entry.characteristic].id
         print(f"{name:14} | {entry.probability_single:16.3f} | {entry.probability:.3f} | {len(entry.acquisitions)}")
 
-    print("\nof the same error of an acquisition | met with at most 3")
+    print("\ncommon part of the pose error | met with at most 3")
     pose_error = inspection.pose_error
     for said, share in (("nothing common", 0.0), ("half of the variance common", 0.5), ("all common", 1.0)):
         other = vg.PoseError(

@@ -478,7 +478,7 @@ def test_all_parts_have_the_same_version(tmp_path, monkeypatch):
     with scheduler_elsewhere(tmp_path) as (address, _), worker_for(address):
         from viewgauge.execution import cluster
 
-        monkeypatch.setattr(cluster, "_version", lambda: "99.0")
+        monkeypatch.setattr(cluster, "own_version", lambda: "99.0")
         with pytest.raises(InputError, match="the same version") as caught, open_executor(address):
             pass
         assert caught.value.expected == "99.0, as here"

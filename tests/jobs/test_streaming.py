@@ -303,7 +303,7 @@ def test_a_doubtful_pair_that_the_full_camera_refutes_is_chosen_again(
     monkeypatch.setattr(viewgauge.simulation, "estimate_success_probabilities", estimate)
     inspection = write_inspection(
         tmp_path,
-        pose_error="{translation: 25 mm, rotation: 4 deg}",
+        pose_uncertainty="{translation: 25 mm, rotation: 4 deg}",
         requirement=f"{{accuracy: 0.8, probability: {probability}}}",
         candidates="{distance: '[250, 400] mm', directions: 8, rolls: 1}",
     )
@@ -325,7 +325,7 @@ def test_where_nearly_all_is_doubtful_few_choices_are_made(tmp_path, monkeypatch
     monkeypatch.setattr(module, "choose_viewpoints", lambda kept, *rest: rounds.append(len(kept)) or real(kept, *rest))
     inspection = write_inspection(
         tmp_path,
-        pose_error="{translation: 25 mm, rotation: 5 deg}",
+        pose_uncertainty="{translation: 25 mm, rotation: 5 deg}",
         requirement="{accuracy: 0.75, probability: 0.985}",
     )
     plan = vg.plan(inspection, refine=False)

@@ -37,7 +37,7 @@ _AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class Characterization:
-    """A head's character, from how many samples of which kind.
+    """How well a camera pose is held, from how many samples of which kind.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Characterization:
 
 @dataclass(frozen=True)
 class BoardCalibration:
-    """What images of a board gave beside the pose errors, by all views together.
+    """What images of a board give beside the pose errors, by all views together.
 
     Parameters
     ----------

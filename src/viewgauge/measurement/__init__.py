@@ -1,4 +1,4 @@
-"""What measurements say: of the head that carries the camera."""
+"""What measurements say: of a part in an image (``image``), and of how well a camera pose is held (``pose``)."""
 
 from .pose.pose_covariance import PoseErrorEstimate, estimate_pose_error, small_sample_factor
 from .pose.pose_samples import PoseSamples, errors_about_group_means, errors_of_poses

@@ -61,7 +61,7 @@ class Measured:
     measured_mm
         None where it was not measured.
     expanded_uncertainty_mm
-        U = 2 u by the errors of head and calibration, and by the noise and contrast of this image; of a mean the
+        U = 2 u by the errors of pose and calibration, and by the noise and contrast of this image; of a mean the
         plan's. None where it was not measured.
     verdict
         "pass" or "fail" where the value is inside or outside the tolerance by more than U (guarded acceptance and
@@ -98,8 +98,8 @@ def measure(
     plan
         Folder of a plan, or its plan.json.
     images
-        Folder with images ``SETTING.png`` or ``VIEWPOINT_NUMBER.png`` (or .tif, .bmp, .jpg), as the camera gives them:
-        distorted, where the inspection's camera is. Images of the same number are acquisitions of one part.
+        Folder with images ``VIEWPOINT.png`` or ``VIEWPOINT_NUMBER.png`` (or .tif, .bmp, .jpg), as the camera takes
+        them: distorted, where the inspection's camera is. Images of the same number are acquisitions of one part.
     edges
         "whole-pixel": ends are put to the nearest corner of pixels, as by the 1998 paper's edge detector.
     output

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...geometry import transform
 from ...sensors import Camera
 
-__all__ = ["CLEAR_OF_CORNER_PX", "HALF_PX", "Direction", "ExpectedMeasurand", "image_directions"]
+__all__ = ["CLEAR_OF_CORNER_PX", "HALF_PX", "EdgeDirection", "ExpectedMeasurand", "image_directions"]
 
 HALF_PX, CLEAR_OF_CORNER_PX = 9.0, 5.0
 """Of an edge that is fitted: half its length, and how far from a corner it begins."""
@@ -24,20 +24,20 @@ _ON_EDGE = (_THROUGH, *_AT_CORNER)  # on one side alone, where a corner or anoth
 
 @dataclass(frozen=True)
 class ExpectedMeasurand:
-    """A measurand, part frame.
+    """A measurand as it is looked for in an image, part frame.
 
     Parameters
     ----------
     points
         ``(2, 3)`` mm.
     normals
-        Of the faces that meet at each, ``(k, 3)``.
+        Normals ``(k, 3)`` of the faces that meet at each end.
     bent
         Its edges are curves, such as the rim of a hole.
     rim_axis
         ``(3,)``: normal of the circle of which it is a diameter, where the whole rim is seen; None for any other.
     trusted
-        Of each end the edges to look for, by direction and place along it; None for all
+        The edges to look for at each end, by direction and place along it; None for all
         (:func:`~viewgauge.measurement.image.measurand_image.rehearsed`).
     """
 
@@ -47,7 +47,7 @@ class ExpectedMeasurand:
     rim_axis: NDArray[np.float64] | None = None
     trusted: tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]] | None = None
 
-    def directions(self, k: int, T_camera_part: NDArray[np.float64], camera: Camera) -> list[Direction]:
+    def directions(self, k: int, T_camera_part: NDArray[np.float64], camera: Camera) -> list[EdgeDirection]:
         """The edges to look for at end k, in the image from a pose."""
         point = transform(T_camera_part, self.points[k])
         found = image_directions(point, T_camera_part[:3, :3], self.normals[k], camera)
@@ -59,7 +59,7 @@ class ExpectedMeasurand:
 
 def image_directions(
     point: NDArray[np.float64], R_camera_part: NDArray[np.float64], normals: NDArray[np.float64], camera: Camera
-) -> list[Direction]:
+) -> list[EdgeDirection]:
     """The edges in which the faces at a point meet, two and two, as directions in the image.
 
     Where only two faces meet the edge goes through the point. At a corner it is on one side alone: of a convex corner
@@ -79,15 +79,22 @@ def image_directions(
         run = image[1] - image[0]
         if np.linalg.norm(run) > 0:
             spans = _AT_CORNER if leaning else _ON_EDGE
-            found.append(Direction(run / np.linalg.norm(run), spans, through=not leaning))
+            found.append(EdgeDirection(run / np.linalg.norm(run), spans, through=not leaning))
     return found
 
 
 @dataclass(frozen=True)
-class Direction:
-    """Of an edge in the image, ``(2,)`` unit, and where along it to look, px, in this order.
+class EdgeDirection:
+    """The direction of an edge in the image from the point at which it is expected.
 
-    ``through``: it goes on to both sides of the point.
+    Parameters
+    ----------
+    unit
+        ``(2,)``.
+    spans
+        Where along it to look, px, in this order.
+    through
+        The edge goes on to both sides of the point.
     """
 
     unit: NDArray[np.float64]

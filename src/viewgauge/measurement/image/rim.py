@@ -92,7 +92,7 @@ def find_rim(
 
 @dataclass(frozen=True)
 class _EdgePoints:
-    """Of k points of a rim: where, ``(k, 2)`` px, how clear, ``(k,)``, and how sure across it, ``(k,)`` px."""
+    """k edge points of a rim: places ``(k, 2)`` px, contrasts ``(k,)``, and deviations across the rim ``(k,)`` px."""
 
     places: NDArray[np.float64]
     contrast: NDArray[np.float64]

@@ -1,6 +1,6 @@
 """From samples of the pose error to its covariance, with confidence, and whether a normal law is fair.
 
-Head frame, perturbation on the left, translation first; mm and rad.
+Pose error frame, perturbation on the left, translation first; mm and rad.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class PoseErrorEstimate:
     Parameters
     ----------
     covariance
-        ``(6, 6)``: about the mean; of the head alone, where the noise of measuring it is known.
+        ``(6, 6)``: about the mean; of the pose error alone, where the noise of measuring it is known.
     mean
         ``(6,)``: the systematic part, which a calibration can take away; zero for repeated visits.
     degrees_of_freedom

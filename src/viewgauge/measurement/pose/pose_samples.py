@@ -44,10 +44,10 @@ class PoseSamples:
 
 
 def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(n, 6)``: the error with which the head reached each pose, pose error frame.
+    """``(n, 6)``: the error with which each pose was reached, pose error frame.
 
-    A point of the scene, seen from the head, is displaced by ``Trans(d) Rot_x Rot_y Rot_z`` (paper, eq. 6), the inverse
-    of the measured pose times the commanded one; from that matrix d and the three angles, exactly.
+    A point of the scene, seen from the pose error frame, is displaced by ``Trans(d) Rot_x Rot_y Rot_z`` (paper, eq. 6),
+    the inverse of the measured pose times the commanded one; from that matrix d and the three angles, exactly.
 
     Parameters
     ----------
@@ -60,15 +60,10 @@ def errors_of_poses(T_base_commanded: NDArray[np.float64], T_base_measured: NDAr
 
 def displacement_parameters(displacement: NDArray[np.float64]) -> NDArray[np.float64]:
     """``(..., 6)`` of displacements ``Trans(d) Rot_x Rot_y Rot_z`` ``(..., 4, 4)``; angles below 90 degrees."""
+    from scipy.spatial.transform import Rotation  # late: slow to import
+
     R = displacement[..., :3, :3]
-    angles = np.stack(
-        [
-            np.arctan2(-R[..., 1, 2], R[..., 2, 2]),
-            np.arcsin(np.clip(R[..., 0, 2], -1, 1)),
-            np.arctan2(-R[..., 0, 1], R[..., 0, 0]),
-        ],
-        axis=-1,
-    )
+    angles = Rotation.from_matrix(R.reshape(-1, 3, 3)).as_euler("XYZ").reshape(*R.shape[:-2], 3)
     return np.concatenate([displacement[..., :3, 3], angles], axis=-1)
 
 
@@ -110,10 +105,7 @@ def errors_about_group_means(
 
 def _displacement(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
     """``(4, 4)``: ``Trans(d) Rot_x Rot_y Rot_z``."""
-    a, b, c = parameters[3:]
-    Rx = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
-    Ry = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
-    Rz = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = Rx @ Ry @ Rz, parameters[:3]
-    return T
+    from scipy.spatial.transform import RigidTransform, Rotation
+
+    turn = Rotation.from_euler("XYZ", parameters[3:])
+    return np.asarray(RigidTransform.from_components(parameters[:3], turn).as_matrix())

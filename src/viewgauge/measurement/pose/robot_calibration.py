@@ -215,8 +215,8 @@ def folds_of(count: int, folds: int, seed: int) -> list[list[int]]:
 
 
 def _displacement(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-    from scipy.spatial.transform import Rotation
+    """``(4, 4)`` of a shift, mm, and a rotation vector, rad."""
+    from scipy.spatial.transform import RigidTransform, Rotation
 
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = Rotation.from_rotvec(parameters[3:]).as_matrix(), parameters[:3]
-    return T
+    turn = Rotation.from_rotvec(parameters[3:])
+    return np.asarray(RigidTransform.from_components(parameters[:3], turn).as_matrix())

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
+from ...geometry import invert
 from .pose_samples import errors_of_poses
 
 __all__ = ["fit_serial_arm"]
@@ -72,7 +73,7 @@ def _starts(joints_rad: NDArray[np.float64], T_base_measured: NDArray[np.float64
         a, b = first[pair], second[pair]
         step = joints_rad[b, k] - joints_rad[a, k]
         if step != 0:
-            axes[k] = _logarithm(T_base_measured[b] @ np.linalg.inv(T_base_measured[a])) / step
+            axes[k] = _logarithm(T_base_measured[b] @ invert(T_base_measured[a])) / step
     near = int(np.argmin((joints_rad**2).sum(axis=1)))
     return [np.concatenate([axes.ravel(), _logarithm(T_base_measured[near])])]
 
@@ -86,31 +87,15 @@ def _poses(x: NDArray[np.float64], joints_rad: NDArray[np.float64]) -> NDArray[n
 
 
 def _exponential(twist: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(m, 4, 4)`` of twists ``(m, 6)``, translation first (Lynch and Park, prop. 3.25)."""
-    from scipy.spatial.transform import Rotation
+    """``(m, 4, 4)`` of twists ``(m, 6)``, translation first (SciPy has the rotation first)."""
+    from scipy.spatial.transform import RigidTransform
 
-    v, w = twist[:, :3], twist[:, 3:]
-    angle = np.linalg.norm(w, axis=1)
-    small = angle < 1e-6
-    safe = np.where(small, 1.0, angle)
-    W = np.zeros((len(twist), 3, 3))
-    W[:, 0, 1], W[:, 0, 2], W[:, 1, 2] = -w[:, 2], w[:, 1], -w[:, 0]
-    W -= np.swapaxes(W, 1, 2)
-    a = np.where(small, 0.5 - angle**2 / 24, (1 - np.cos(safe)) / safe**2)
-    b = np.where(small, 1 / 6 - angle**2 / 120, (safe - np.sin(safe)) / safe**3)
-    V = np.eye(3) + a[:, None, None] * W + b[:, None, None] * (W @ W)
-    T = np.zeros((len(twist), 4, 4))
-    T[:, :3, :3] = Rotation.from_rotvec(w).as_matrix()
-    T[:, :3, 3] = np.einsum("mij,mj->mi", V, v)
-    T[:, 3, 3] = 1.0
-    return T
+    return np.asarray(RigidTransform.from_exp_coords(np.roll(twist, 3, axis=-1)).as_matrix())
 
 
 def _logarithm(T: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``(6,)`` twist of a pose, by inverting the exponential's matrix V."""
-    from scipy.spatial.transform import Rotation
+    """``(6,)`` twist of a pose, translation first."""
+    from scipy.spatial.transform import RigidTransform, Rotation
 
-    w = Rotation.from_matrix(T[:3, :3]).as_rotvec()
-    units = np.concatenate([np.eye(3), np.tile(w, (3, 1))], axis=1)
-    V = _exponential(units)[:, :3, 3].T
-    return np.concatenate([np.linalg.solve(V, T[:3, 3]), w])
+    pose = RigidTransform.from_components(T[:3, 3], Rotation.from_matrix(T[:3, :3]))
+    return np.asarray(np.roll(pose.as_exp_coords(), 3))
