@@ -129,6 +129,12 @@ def test_messages_use_the_words_of_the_glossary(path: Path) -> None:
     )
 
 
+def test_old_words_are_found_and_others_are_not() -> None:
+    assert len(old_words("How surely does the head hold each setting?")) == 3
+    assert len(old_words("an even error,\nas he was told; one look more")) == 3
+    assert old_words("viewgauge looks for a feature; gauge capability; even so, ahead of the measure") == []
+
+
 def test_allowed_expressions_are_still_needed() -> None:
     for name, expressions in ALLOWED.items():
         text = (ROOT / name).read_text(encoding="utf-8")
