@@ -5,8 +5,8 @@ Usage: python benchmarks/real_robot.py FOLDER [--folds N] [--seed N]
 FOLDER has ``cal_data.yaml``, images of a ChArUco board and robot poses (ROS-Industrial's abb example). For each fold of
 the views camera, hand-eye, pose covariance and corner noise are found from the others alone, the covariance by leaving
 each of those out in turn, as ``viewgauge characterize`` does. Then, in each view of the fold, every pair of corners is
-a length: its image at the commanded pose of the robot, with its predicted standard deviation, against the image that
-OpenCV's detector measures. Prints Markdown.
+a length: its image at the pose that the robot was commanded to, with its predicted standard deviation, against the
+image that OpenCV's detector measures. Prints Markdown.
 """
 
 from __future__ import annotations
