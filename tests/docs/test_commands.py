@@ -151,3 +151,21 @@ def test_tutorial_shows_what_is_printed(
     assert written.startswith(viewpoints.removesuffix("...\n"))
     main(["evaluate", "inspection.yaml", "--viewpoints", "plan/viewpoints.csv", "--method", "monte-carlo"])
     require_lines(evaluated, capsys.readouterr().out)
+
+
+def test_improve_page_shows_what_is_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("OCP")
+    monkeypatch.chdir(tmp_path)
+    text = (EXAMPLE / "inspection.yaml").read_text(encoding="utf-8")
+    (tmp_path / "inspection.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "whole_pixels.yaml").write_text(
+        text.replace("quantization: 0.1 px", "quantization: 1 px"), encoding="utf-8"
+    )
+    (tmp_path / "slotted_block.step").write_bytes((EXAMPLE / "slotted_block.step").read_bytes())
+    improved, specified = re.findall(r"```text\n(.*?)```", text_of(DOCS / "howto" / "improve.md"), flags=re.DOTALL)
+    assert main(["improve", "whole_pixels.yaml"]) == 1
+    require_lines(improved, capsys.readouterr().out)
+    assert main(["specify", "inspection.yaml"]) == 0
+    require_lines(specified, capsys.readouterr().out)

@@ -107,6 +107,24 @@ def test_pages_and_examples_use_the_words_of_the_glossary(path: Path) -> None:
     require_none([f"{name}, {why}" for why in old_words(path.read_text(encoding="utf-8"), ALLOWED.get(name, ()))])
 
 
+def templates() -> list[Path]:
+    """What pages are made of beside Python: HTML, pictures, styles and scripts."""
+    suffixes = {".html", ".svg", ".css", ".js"}
+    return sorted(path for path in (ROOT / "src" / "viewgauge").rglob("*") if path.suffix in suffixes)
+
+
+def test_templates_use_the_words_of_the_glossary() -> None:
+    found = []
+    for path in templates():
+        # tags such as <head>, and what the template fills in, are no words
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".js":  # of a script its strings
+            text = "\n".join(re.findall(r'"([^"\n]*)"', text))
+        text = re.sub(r"\{\{.*?\}\}|\{%.*?%\}|<[^<>]*>", " ", text, flags=re.DOTALL)
+        found += [f"{relative(path)}: {why}" for why in old_words(text, ALLOWED.get(relative(path), ()))]
+    require_none(found)
+
+
 @pytest.mark.parametrize("command", ["", *sorted(name for name in app if not name.startswith("-"))])
 def test_help_uses_the_words_of_the_glossary(command: str) -> None:
     printed = io.StringIO()
