@@ -1,6 +1,6 @@
-"""Results that can be drawn: they know no picture, and whoever draws them registers here.
+"""Results that can be drawn: they know no picture, and what draws them is registered here.
 
-So a law or a plan computes without any drawing, and stands below the layer that draws it.
+So a law or a plan is computed without anything that draws, and stands below the layer that draws it.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ class Drawing(Protocol):
 
 
 _loaders: list[Callable[[], Drawing]] = []
+"""At most one."""
 
 
 def draw_with(loader: Callable[[], Drawing]) -> None:
@@ -45,10 +46,12 @@ def drawing() -> Drawing:
     Raises
     ------
     RuntimeError
-        If nothing is registered; importing :mod:`viewgauge` registers the report.
+        If nothing is registered; importing :mod:`viewgauge` registers :mod:`viewgauge.report.notebook`.
     """
     if not _loaders:
-        raise RuntimeError("nothing that draws results is registered")
+        raise RuntimeError(
+            "nothing that draws results is registered: draw_with(...) registers it, as importing viewgauge does"
+        )
     return _loaders[0]()
 
 

@@ -74,7 +74,10 @@ def test_no_tolerance_is_1_and_is_named_by_every_command(capsys):
         assert "width" in out
         assert "basic value" in out
     assert main(["check", "inspection.yaml", "--json"]) == 1
-    assert [d["id"] for d in json.loads(capsys.readouterr().out)["not_measurable"]] == ["width"]
+    document = json.loads(capsys.readouterr().out)
+    assert [d["id"] for d in document["not_measurable"]] == ["width"]
+    statuses = {d["id"]: (d["status"], "basic value" in d["reason"]) for d in document["characteristics"]}
+    assert statuses == {"heel": ("measurable", False), "width": ("not_measurable", True)}
 
 
 def test_nothing_that_can_be_judged_is_1_and_no_crash(capsys):

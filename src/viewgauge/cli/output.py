@@ -116,7 +116,8 @@ def print_table_summary(
 
 def print_check(document: dict[str, Any]) -> None:
     """What was read: the part, its characteristics, and what cannot be measured."""
-    part, characteristics, refused = document["part"], document["characteristics"], document["not_measurable"]
+    part, refused = document["part"], document["not_measurable"]
+    characteristics = [entry for entry in document["characteristics"] if entry["status"] == "measurable"]
     size = " x ".join(f"{length:.4g}" for length in part["size_mm"])
     print(f"{part['name']}: {size} mm (file in {part['length_unit']}), {part['triangles']} triangles", end="")
     print(f" within {part['chord_error_mm']:.2g} mm of the surface")
@@ -131,7 +132,7 @@ def print_check(document: dict[str, Any]) -> None:
             f"allowed error {d['allowed_error_mm']:.3g} mm, {measurands}"
         )
     if refused:
-        print(f"{len(refused)} cannot:")
+        print(f"{len(refused)} cannot be measured:")
     for d in refused:
         print(f"  {d['id']}: {d['kind']}; {d['reason']}")
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...planning.plan import Plan, PlannedCharacteristic, Status
+from ...planning.plan import Plan, PlannedCharacteristic
 
 __all__ = ["STATUS_WORDS", "ranked"]
 
-STATUS_WORDS: dict[Status, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
+STATUS_WORDS: dict[str, str] = {"not_met": "not met", "not_measurable": "not measurable", "met": "met"}
 
 
 def ranked(plan: Plan) -> list[PlannedCharacteristic]:

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 
 from ...evaluation.requirement.allowed_error import Requirement
-from ...part.characteristic import Part
+from ...part import Part
 from ...planning.improve.improvement import Improvement
 from ...planning.plan import Plan
 from ...sensors import Camera, EdgeDetector

@@ -15,7 +15,7 @@ NAMES_SHOWN = 6
 
 def verdict(plan: Plan) -> tuple[str, bool]:
     """The outcome in one sentence, and whether it is good."""
-    count = Counter(characteristic.status for characteristic in plan.characteristics)
+    count: Counter[str] = Counter(characteristic.status for characteristic in plan.characteristics)
     total = len(plan.characteristics)
     if total == 0:
         return "No characteristic to measure", False

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...part.characteristic import Part
+from ...part import Part
 from ...planning.plan import Plan, PlannedCharacteristic, PlannedViewpoint
 from ...sensors.camera import Camera
 from ..palette import viewpoint_colours

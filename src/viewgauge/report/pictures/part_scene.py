@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...part.characteristic import Part
+from ...part import Part
 from ...part.mesh import Mesh
 from ...planning.plan import Plan, PlannedCharacteristic, PlannedViewpoint
 from ...sensors.camera import Camera
