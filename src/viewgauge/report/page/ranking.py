@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...planning.plan import Plan, PlannedCharacteristic, Status
+from ...planning.plan import Plan, PlannedCharacteristic
 
 __all__ = ["STATUS_WORDS", "ranked"]
 
