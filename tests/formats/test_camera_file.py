@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viewgauge.exceptions import InspectionFileError
-from viewgauge.formats.cameras.camera_file import read_camera_file, write_opencv_camera
+from viewgauge.formats.cameras.camera_formats import read_camera_file
+from viewgauge.formats.cameras.opencv import write_opencv_camera
 from viewgauge.geometry import Lens
 from viewgauge.sensors import Camera
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from viewgauge.exceptions import InputError
-from viewgauge.formats.cameras.camera_file import read_camera_file
+from viewgauge.formats.cameras.camera_formats import read_camera_file
 from viewgauge.geometry import PoseError, invert, quaternion_from_pose
 from viewgauge.jobs.characterize import characterize, describe_characterization, write_calibration
 from viewgauge.measurement.pose.board import Board

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..exceptions import InspectionFileError
-from ..formats.cameras.camera_file import CameraFile, read_camera_file, write_opencv_camera
+from ..formats.cameras.camera_file import CameraFile
+from ..formats.cameras.camera_formats import read_camera_file
+from ..formats.cameras.opencv import write_opencv_camera
 from ..formats.files.problems import Problems
 from ..formats.files.text import read_text
 from ..formats.files.yaml_tree import parse_yaml

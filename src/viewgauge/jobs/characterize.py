@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ..exceptions import InputError
 from ..execution.progress import Progress, Silent
-from ..formats.cameras.camera_file import CameraFile, write_opencv_camera
+from ..formats.cameras.camera_file import CameraFile
+from ..formats.cameras.opencv import write_opencv_camera
 from ..formats.poses.board_views_file import is_board_file, read_board_views
 from ..formats.poses.covariance_file import write_covariance
 from ..formats.poses.pose_samples_file import SampleFile, read_pose_samples

@@ -13,7 +13,8 @@ from pydantic import Field, model_validator
 from ...exceptions import InputError
 from ...geometry import Lens
 from ...sensors import Camera, EdgeDetector
-from ..cameras.camera_file import CameraFile, read_camera_file
+from ..cameras.camera_file import CameraFile
+from ..cameras.camera_formats import read_camera_file
 from .edge_detector_section import EdgeDetectorSection
 from .inspection_text import InspectionText
 from .validation import build, validate
