@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...planning.plan import Plan, PlannedCharacteristic
+from ...planning.plan import Plan, PlannedCharacteristic, Status
 
 __all__ = ["STATUS_WORDS", "ranked"]
 
