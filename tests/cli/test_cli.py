@@ -50,7 +50,7 @@ def test_a_not_met_characteristic_is_1_and_is_named_with_the_best_reached_and_th
     write(requirement="{error: 1 nm, probability: 0.95}")
     assert main(["plan", "inspection.yaml", "-o", "out"]) == 1
     out = capsys.readouterr().out
-    assert "not met           width: best probability 0.0" in out
+    assert "  not met         width: best probability 0.0" in out
     assert "of 0.95 required; visible, but limited by pose error" in out
     assert main(["plan", "inspection.yaml", "-o", "out", "--json"]) == 1
     document = json.loads(capsys.readouterr().out)

@@ -50,7 +50,7 @@ def test_images_and_the_truth_beside_them(capsys):
     position = np.array([[float(r[axis]) for axis in "xyz"] for r in rows])
     assert 0 < np.abs(position[:2] - [40, 0, 350]).max() < 1, "displaced by tenths of a millimetre"
     about = json.loads(Path("images/simulation.json").read_text())
-    assert about["acquisitions"] == 2
+    assert about["repeats"] == 2
     assert about["sensor"]["bits"] == 8
 
 

@@ -237,7 +237,7 @@ def _print_validation(document: dict[str, Any]) -> None:
             f"{100 * level['inside'] / max(level['acquisitions'], 1):.1f}{'' if level['holds'] else '*'}"
             for level in row["coverage"]
         )
-        print(f"  {row['id']:9}  {row['acquisitions']:5}  {row['rms_ratio']:18.2f}  {shares}")
+        print(f"  {row['id']:14}  {row['acquisitions']:12}  {row['rms_ratio']:18.2f}  {shares}")
     if any(not level["holds"] for row in document["characteristics"] for level in row["coverage"]):
         print("  * not as predicted")
     if document["refused"]:

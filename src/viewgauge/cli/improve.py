@@ -136,9 +136,9 @@ def _print_improvement(document: dict[str, Any]) -> None:
         print("edge detector against pose uncertainty, for the part: with this step, at most this pose uncertainty")
         rows = [["step", "pose uncertainty", "translation", "rotation"], ["px", "of today's", "mm", "deg"]]
         for trade in document["trade_off"]:
-            pose_error = trade["pose_error_factor"]
-            values = [pose_error, trade["translation_mm"], trade["rotation_deg"]]
-            reported = ["none is enough", "", ""] if pose_error is None else [_number(value) for value in values]
+            factor = trade["pose_error_factor"]
+            values = [factor, trade["translation_mm"], trade["rotation_deg"]]
+            reported = ["none is enough", "", ""] if factor is None else [_number(value) for value in values]
             rows.append([_number(trade["pixel_px"]), *reported])
         _print_table(rows)
     _print_unverified([c for d in characteristics for c in d["changes"].values()] + document["trade_off"])
@@ -166,11 +166,9 @@ def _print_specification(document: dict[str, Any]) -> None:
     rows.append(["", "µm", "mm", "mm", "", "of today's", "mm", "deg", "px"])
     for choice in document["best"]:
         near, far = choice["distance_mm"]
-        pose_error = [choice[name] for name in ("pose_error_factor", "translation_mm", "rotation_deg")]
+        limits = [choice[name] for name in ("pose_error_factor", "translation_mm", "rotation_deg")]
         reported = (
-            ["none is enough", "", ""]
-            if pose_error[0] is None
-            else ["" if v is None else _number(v) for v in pose_error]
+            ["none is enough", "", ""] if limits[0] is None else ["" if v is None else _number(v) for v in limits]
         )
         lens = [f"{1000 * choice['pixel_pitch_mm']:g}", f"{choice['focal_length_mm']:g}", f"{near:.0f} - {far:.0f}"]
         edge_detector = "none is enough" if choice["pixel_px"] is None else _number(choice["pixel_px"])

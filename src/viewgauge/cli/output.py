@@ -41,7 +41,7 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
     required = document["requirement"]["probability"]
     for characteristic in by_status["not_met"]:
         best = f"best probability {certainty(characteristic['probability'])} of {required:g} required"
-        print(f"  not met           {characteristic['id']}: {best}; {characteristic['limit']}")
+        print(f"  not met         {characteristic['id']}: {best}; {characteristic['limit']}")
         print(f"                  {characteristic['proof']}")
     for characteristic in by_status["met"]:
         if characteristic["acquisitions"]:

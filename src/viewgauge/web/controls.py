@@ -35,10 +35,14 @@ _DIALS = (
     _Dial("Edge location / px", "The step of the edge detector, or its noise: 1 is a whole pixel.", "edge_px"),
     _Dial("Focal length / mm", "The cameras stay where they are.", "focal_length_mm"),
     _Dial("Distance / % of the planned", "This moves all cameras along their optical axes.", "distance", 100.0),
-    _Dial("Pose uncertainty: translation / mm", "The largest of the three standard deviations.", "translation_mm"),
     _Dial(
-        "Pose uncertainty: rotation / deg",
-        "The largest of the three standard deviations.",
+        "Pose: translation / mm",
+        "The pose uncertainty: the largest of its three standard deviations.",
+        "translation_mm",
+    ),
+    _Dial(
+        "Pose: rotation / deg",
+        "The pose uncertainty: the largest of its three standard deviations.",
         "rotation_rad",
         180 / math.pi,
     ),
@@ -72,7 +76,7 @@ class Controls:
         self.stage = gui.add_html("", visible=False)
         self.knobs_folder = gui.add_folder("What if …")
         with gui.add_folder("Show", expand_by_default=False):
-            self.acquisition = gui.add_button_group("Look at", LOOK_AT)
+            self.look = gui.add_button_group("View", LOOK_AT)
             self.see_through = gui.add_checkbox("See through the part", False)
             self.names = gui.add_checkbox("Names of the characteristics", False)
             self.candidates = gui.add_checkbox("Candidate viewpoints", False)

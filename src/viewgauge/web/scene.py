@@ -69,7 +69,7 @@ class Scene:
 
     def look_at_part(self) -> None:
         """From above a corner."""
-        self._acquisition(self._centre + self._size_mm * np.array([1.0, -1.5, 1.05]), self._centre)
+        self._look(self._centre + self._size_mm * np.array([1.0, -1.5, 1.05]), self._centre)
 
     def look_at_all(self, viewpoints: Mapping[str, NDArray[np.float64]]) -> None:
         """At the part and all cameras, from beside them."""
@@ -87,13 +87,13 @@ class Scene:
         high = np.maximum(eyes.max(axis=0), self._size_mm / 2)
         middle = self._centre + (low + high) / 2
         radius = 0.5 * float(np.linalg.norm(high - low)) + 0.1 * self._size_mm
-        self._acquisition(middle + radius / np.tan(_NARROW * _FIELD_OF_VIEW_RAD / 2) * away, middle)
+        self._look(middle + radius / np.tan(_NARROW * _FIELD_OF_VIEW_RAD / 2) * away, middle)
 
     def look_through(self, T_part_camera: NDArray[np.float64]) -> None:
         """As a viewpoint's camera sees the part."""
-        self._acquisition(T_part_camera[:3, 3], self._centre)
+        self._look(T_part_camera[:3, 3], self._centre)
 
-    def _acquisition(self, eye: NDArray[np.float64], at: NDArray[np.float64]) -> None:
+    def _look(self, eye: NDArray[np.float64], at: NDArray[np.float64]) -> None:
         with self._client.atomic():
             camera = self._client.camera
             camera.up_direction = (0.0, 0.0, 1.0)
@@ -152,9 +152,9 @@ class Scene:
                 self._take_away(f"/viewpoints/{name}")
                 self._frusta.pop(name)
             for name, T in answers.viewpoints.items():
-                acquisition = (round(fov, 9), round(aspect, 9), name == chosen)
-                if self._frusta.get(name) != acquisition:
-                    self._frusta[name] = acquisition
+                drawn_as = (round(fov, 9), round(aspect, 9), name == chosen)
+                if self._frusta.get(name) != drawn_as:
+                    self._frusta[name] = drawn_as
                     self._put(
                         f"/viewpoints/{name}",
                         self._scene.add_camera_frustum(

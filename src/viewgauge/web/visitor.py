@@ -110,7 +110,7 @@ class Visitor:
         controls.directions.on_update(lambda _: ask("characteristic"))
         controls.drag.on_update(lambda _: self._hold())
         controls.dark.on_update(lambda _: self._theme())
-        controls.acquisition.on_click(lambda event: self._acquisition(event.target.value))
+        controls.look.on_click(lambda event: self._look(event.target.value))
         findings.characteristic.on_update(lambda _: ask("answers", "viewpoint", "characteristic"))
         findings.viewpoint.on_update(lambda _: self._chose_viewpoint())
         controls.replan.on_click(lambda _: self._plan())
@@ -267,7 +267,7 @@ class Visitor:
             kind, name = found
             choose(self._findings.characteristic if kind == "characteristic" else self._findings.viewpoint, name)
 
-    def _acquisition(self, where: str) -> None:
+    def _look(self, where: str) -> None:
         with self._lock:
             viewpoints = self._what_if.viewpoints(self._knobs(), self._dragged)
         chosen = self._findings.chosen_viewpoint
