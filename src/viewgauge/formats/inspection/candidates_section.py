@@ -189,7 +189,7 @@ _PLACES: dict[str, type[BoxSection] | type[HemisphereSection]] = {"box": BoxSect
 def _place(
     section: type[BoxSection] | type[HemisphereSection], value: object, problems: Problems, *where: str | int
 ) -> Any:
-    """What a section of places stands for; None where there is none, or a problem was noted."""
+    """The place that a section describes; None where there is none, or a problem was noted."""
     if value is None and len(where) == 1:
         return None
     found = validate(section, value, ("candidates", *where), problems)

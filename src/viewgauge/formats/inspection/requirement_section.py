@@ -20,7 +20,7 @@ __all__ = ["RequirementSection", "read_requirement"]
 def read_requirement(value: object, problems: Problems) -> Requirement | None:
     """The requirement that the section ``requirement`` states; None, and the reasons in ``problems``, if it cannot be.
 
-    The sections below it are read apart, so that all their problems are told.
+    The sections below it are read apart, so that all their problems are reported.
     """
     where = ("requirement",)
     section = validate(RequirementSection, value, where, problems)

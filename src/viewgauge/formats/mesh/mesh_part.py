@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import MESH_SUFFIXES
+
 if TYPE_CHECKING:  # meshes are read by what takes long to import
     from ...part import Part
 
@@ -17,7 +19,7 @@ class MeshPart:
     """Parts in mesh files: a surface without characteristics of its own."""
 
     name = "a mesh"
-    suffixes = (".stl", ".ply", ".obj")
+    suffixes = MESH_SUFFIXES
 
     @contextmanager
     def reading(self, path: Path, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:  # noqa: ARG002 - a mesh is as it is

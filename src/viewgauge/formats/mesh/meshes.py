@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...exceptions import PartFileError
 from ...part import Mesh
-from .mesh_part import MeshPart
+from . import MESH_SUFFIXES
 from .orientation import oriented_outward
 from .watertight import is_watertight
 
@@ -60,9 +60,9 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[Mesh, tuple[str, ...]]:
 def _load(path: Path) -> tuple[NDArray[np.float64], _Triangles]:
     """Vertices ``(n, 3)`` and triangles ``(m, 3)`` as the file has them."""
     suffix = path.suffix.lower()
-    if suffix not in MeshPart.suffixes:
+    if suffix not in MESH_SUFFIXES:
         raise PartFileError(
-            "not a mesh file by its name", file=path, got=path.suffix, expected=", ".join(MeshPart.suffixes)
+            "not a mesh file by its name", file=path, got=path.suffix, expected=", ".join(MESH_SUFFIXES)
         )
     try:
         size = path.stat().st_size
