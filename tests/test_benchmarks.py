@@ -44,9 +44,9 @@ def test_the_report_has_a_row_for_every_way(results):
 def test_refined_plans_are_no_worse_and_the_full_camera_agrees():
     """The example with few candidates, small version of the study; it ends with 1 where either does not hold."""
     table = run("benchmarks/best_plans.py", "--directions", "40", "--precision", "1e-3")
-    assert "worse in number or, with as many, in sureness: 0." in table
+    assert "with as many and a lower probability:\n0. Probabilities" in table
     assert "contradicts: 0." in table
-    assert "with as many viewpoints 1 of 1" in table
+    assert "rises: 1 of 1 with the same number of viewpoints" in table
 
 
 def test_the_validation_s_parts_run(tmp_path):

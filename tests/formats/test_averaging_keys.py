@@ -95,13 +95,13 @@ def test_without_either_key_nothing_is_said_of_a_common_part(tmp_path):
     np.testing.assert_allclose(file.setup.pose_error.covariance, OWN, rtol=1e-14)
 
 
-@pytest.mark.parametrize("pose_error", ["common", "own"])
-def test_no_error_may_be_stated_for_either_part(tmp_path, pose_error):
+@pytest.mark.parametrize("which", ["common", "own"])
+def test_no_error_may_be_stated_for_either_part(tmp_path, which):
     text = changed(COMMON, "  common: {translation: 0 mm, rotation: 0 deg}\n")
-    if pose_error == "own":
+    if which == "own":
         text = changed("  translation: 0.1 mm\n  rotation: 1 mrad\n", "  translation: 0 mm\n  rotation: 0 rad\n")
     error = read(tmp_path, text).setup.pose_error
-    part = error.common_covariance if pose_error == "common" else error.repeatability_covariance
+    part = error.common_covariance if which == "common" else error.repeatability_covariance
     np.testing.assert_array_equal(part, np.zeros((6, 6)))
 
 

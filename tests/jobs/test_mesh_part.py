@@ -16,8 +16,8 @@ BLOCKED = "import sys; sys.modules['OCP'] = None"  # importing it now raises Mod
 PART = box_part(
     WIDTH,
     entry("depth", "[0, 0, 40]", "[0, 50, 40]", observed="whole"),
-    entry("rear", "[0, 50, 40]", "[80, 50, 40]", "[-0.1, 0.2] mm"),
-    entry("foot", "[0, 0, 0]", "[80, 0, 0]", "[-0.1, 0.2] mm"),
+    entry("rear", "[0, 50, 40]", "[80, 50, 40]", "'[-0.1, 0.2] mm'"),
+    entry("foot", "[0, 0, 0]", "[80, 0, 0]", "'[-0.1, 0.2] mm'"),
     HEEL,
 )
 TEXT = sections(**{**BOX, "part": PART, "candidates": "{directions: 60, rolls: 2}"})

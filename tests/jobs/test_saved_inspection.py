@@ -56,7 +56,7 @@ def test_read_again_it_is_the_same(folder):
     )
     assert again.requirement.kind == "accuracy"
     assert (again.requirement.value, again.requirement.probability) == pytest.approx((0.9985, 0.963))
-    assert "# the block lies on a table: look from above" in text
+    assert "# the block lies on a table: the camera stays above it" in text
     assert again.candidates == vg.load(folder / "inspection.yaml").candidates
 
 

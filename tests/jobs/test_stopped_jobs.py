@@ -261,6 +261,7 @@ PEAK = """
 import os, sys
 os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])  # each thread has buffers of its own
 from dataclasses import replace
+import viewgauge as vg
 inspection = vg.load(sys.argv[1])
 directions, job = int(sys.argv[2]), sys.argv[3]
 def run(directions):

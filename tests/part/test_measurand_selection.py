@@ -7,7 +7,7 @@ import pytest
 from breps import face, pmi_record, prism
 from soundness import assert_sound, only_characteristic
 
-from viewgauge.part import Measurand
+from viewgauge.part import LengthBetweenPoints
 from viewgauge.part.measurands.selection import LIMIT, Candidate, select
 
 SIDES = np.concatenate([np.eye(3), -np.eye(3)])
@@ -18,7 +18,7 @@ def candidates(count, sides):
     for k in range(count):
         normal = SIDES[[k % sides]]
         start = np.array([0.0, 3.0 * k, 0.0])
-        measurand = Measurand(start, start + np.array([10.0, 0.0, 0.0]), normal, normal)
+        measurand = LengthBetweenPoints(start, start + np.array([10.0, 0.0, 0.0]), normal, normal)
         yield Candidate(
             measurand, common_face=True, concave=False, straight=True, at_corner=False, place=k, edge_length_mm=5.0
         )

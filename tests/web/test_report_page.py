@@ -10,6 +10,7 @@ import viewgauge as vg
 
 playwright = pytest.importorskip("playwright.sync_api")
 expect = playwright.expect
+expect.set_options(timeout=30_000)  # 5 s by default, which drawing without a GPU may take on a busy machine
 
 
 @pytest.fixture(scope="module")

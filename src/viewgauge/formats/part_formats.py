@@ -1,4 +1,4 @@
-"""The kinds of part file: STEP and meshes, told by the file's suffix.
+"""The kinds of part file: STEP and meshes, recognised by the file's suffix.
 
 A further kind is a class like :class:`PartFormat` in a file of its own, and its place in ``PART_FORMATS``, or
 ``PART_FORMATS.register(...)`` from outside. What takes long to import is imported by its ``reading``.

@@ -1,4 +1,4 @@
-"""Calibrations of cameras as other programs write them, each format told by its content.
+"""Calibrations of cameras as other programs write them, each format recognised by its content.
 
 A further format is a class like :class:`CameraFormat` in a file of its own, and its place in ``CAMERA_FORMATS``, or
 ``CAMERA_FORMATS.register(...)`` from outside. The covariance of the intrinsics is read where it stands beside them, in

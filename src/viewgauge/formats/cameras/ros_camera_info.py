@@ -9,12 +9,12 @@ __all__ = ["RosCameraInfoFormat"]
 
 
 class RosCameraInfoFormat:
-    """Calibrations of ROS, told from OpenCV's by their ``distortion_model``."""
+    """Calibrations of ROS, which differ from OpenCV's by their ``distortion_model``."""
 
     name, described = "ROS camera_info", "a ROS camera_info"
 
     def recognises(self, document: CalibrationDocument) -> bool:
-        """Whether there are a camera matrix and a distortion model, and not by OpenCV."""
+        """Whether there are a camera matrix and a distortion model, in a file that OpenCV has not written."""
         return has_camera_matrix(document) and "distortion_model" in document.sections and not document.is_opencv
 
     def read(self, document: CalibrationDocument, name: str | None) -> CameraFile | None:

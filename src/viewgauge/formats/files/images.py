@@ -62,7 +62,7 @@ def write_overlay(
     Parameters
     ----------
     lines
-        Of each its name, its ends ``(2, 2)`` px, and its colour (blue, green, red).
+        The name of each line, its ends ``(2, 2)`` px, and its colour (blue, green, red).
     """
     cv2 = opencv()
     image = cv2.cvtColor(np.clip(grey * 255, 0, 255).astype(np.uint8), cv2.COLOR_GRAY2BGR)

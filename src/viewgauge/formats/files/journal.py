@@ -26,9 +26,9 @@ _JOB, _ENTRIES = "job.json", "done"
 class ChunkJournal:
     """A folder with one small file of arrays (``.npz``) for each chunk that is done.
 
-    It belongs to one job, told by its fingerprint: what another job has left is discarded when it is opened. It is
-    locked against other processes until it is closed, which keeps it, or discarded. All of a job lies below a folder
-    that is named after its fingerprint, so that a late worker of another job can do no harm here.
+    It belongs to one job, which its fingerprint identifies: what another job has left is discarded when it is opened.
+    It is locked against other processes until it is closed, which keeps it, or discarded. All files of a job lie below
+    a folder that is named after its fingerprint, so that a late worker of another job can do no harm here.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Everything that is wrong with a file, gathered so that it can be told at once."""
+"""Everything that is wrong with a file, gathered so that it can be reported at once."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class Registry(Generic[_Format]):
 
 
 class SuffixRegistry(Registry[_Suffixed]):
-    """Formats that are told by the suffix of the file's name, in any case."""
+    """Formats that are recognised by the suffix of the file's name, in any case."""
 
     @property
     def suffixes(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ def read_text(path: str | os.PathLike[str], error_type: type[InputError]) -> str
     Raises
     ------
     InputError
-        Of ``error_type``: the file is missing, a folder, not readable, or not UTF-8 text.
+        An error of ``error_type``: the file is missing, a folder, not readable, or not UTF-8 text.
     """
     try:
         content = Path(path).read_bytes()

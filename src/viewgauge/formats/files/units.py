@@ -108,7 +108,7 @@ def parse_quantities(value: object, kind: Kind, counts: tuple[int, ...], sign: S
     Raises
     ------
     InputError
-        As :func:`parse_quantity`, and if the number of values is none of ``counts``.
+        For the reasons of :func:`parse_quantity`, and if the number of values is none of ``counts``.
     """
     items = _items(value)
     if items is None:
@@ -172,7 +172,7 @@ def _convert(number: str, unit: str, value: object, kind: Kind) -> float:
 
 @cache
 def _factor(unit: str, kind: Kind) -> Decimal | None:
-    """What a number in this unit is multiplied by; None if the unit is unknown or of another kind."""
+    """The factor from this unit to the unit of its kind; None if the unit is unknown or of another kind."""
     import pint
 
     if not (unit in "%‰°" or unit.isalpha()):  # one bare unit, never an expression for pint to work out

@@ -78,7 +78,7 @@ class UncertaintySection(Section):
 
 
 class _CameraSection(Section):
-    """What every camera has; ``edge_detector`` and ``calibration_uncertainty`` are read apart."""
+    """The keys that every camera has; ``edge_detector`` and ``calibration_uncertainty`` are read apart."""
 
     pixel_pitch: Pitch = Field(
         description='the width of a pixel, or width and height: a length, such as 3.45 um, or "[3.45, 3.45] um"'

@@ -36,7 +36,7 @@ def edited_inspection(text: str, changes: Mapping[tuple[str, ...], Any]) -> str:
 
 
 def _written(value: Any) -> Any:
-    """Lists in one line."""
+    """The value as it is written: a list in one line."""
     if not isinstance(value, list | tuple):
         return value
     from ruamel.yaml.comments import CommentedSeq

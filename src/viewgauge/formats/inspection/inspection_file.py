@@ -148,7 +148,7 @@ def _limits(text: InspectionText) -> ObservationLimits | None:
 
 
 def _averaged_viewpoints(text: InspectionText) -> int | None:
-    """From how many viewpoints a characteristic may be averaged."""
+    """The number of viewpoints over which a characteristic may be averaged; None where it cannot be used."""
     if "averaging" not in text.sections:
         return 1
     section = validate(AveragingSection, _section(text, "averaging"), ("averaging",), text.problems)

@@ -67,7 +67,7 @@ class InspectionText:
     def read_beside(
         self, read: Callable[..., _Content], name: str, where: KeyPath, *arguments: object
     ) -> _Content | None:
-        """What another file holds; None, and the reason in the problems, where it cannot be read."""
+        """The content of another file; None, and the reason in the problems, where it cannot be read."""
         path = self.beside(name, dotted(where) or "")
         try:
             return read(path, *arguments)

@@ -118,7 +118,7 @@ class CharacteristicSection(Section):
 
 
 class PartSection(Section):
-    """What is inspected; the characteristics are read one by one."""
+    """The part and its characteristics, which are read one by one."""
 
     file: Name | None = Field(
         default=None, description="the part's file, beside this one: STEP (.stp, .step, .p21) or a mesh"

@@ -52,13 +52,13 @@ def _keys_schema(model: type[BaseModel]) -> Schema:
 
 def _key_schema(field: FieldInfo, own: Schema) -> Schema:
     """The schema of a key: its section's where that is read apart, else that of its value."""
-    told = {"title": own["title"].capitalize(), "description": _sentence(field.description or "")}
+    described = {"title": own["title"].capitalize(), "description": _sentence(field.description or "")}
     apart = _mark(field, Apart)
     if apart is not None:
         section = _section_schema(apart.section)
         if apart.listed:
-            return {**told, "type": "array", "items": section}
-        return {**told, **section, "type": ["object", "null"] if apart.optional else "object"}
+            return {**described, "type": "array", "items": section}
+        return {**described, **section, "type": ["object", "null"] if apart.optional else "object"}
     value = {key: rest for key, rest in own.items() if key not in ("title", "description", "default")}
     options = [option for option in value.get("anyOf", ()) if option != {"type": "null"}]  # null: the key is absent
     if len(options) == 1:
@@ -66,8 +66,8 @@ def _key_schema(field: FieldInfo, own: Schema) -> Schema:
     elif options:
         value["anyOf"] = options
     if value in QUANTITIES.values():
-        return {**told, "allOf": [value]}  # beside a reference nothing else counts
-    return {**told, **value}
+        return {**described, "allOf": [value]}  # beside a reference nothing else counts
+    return {**described, **value}
 
 
 def _with_references(value: Any, within: str | None = None) -> Any:

@@ -42,7 +42,7 @@ def validate(model: type[_Model], value: object, path: KeyPath, problems: Proble
     misspelt = _misspelt(model, details)
     for detail in details:
         if detail["type"] == "missing" and detail["loc"][-1] in misspelt.values():
-            continue  # it is there, under the misspelt name, which is told
+            continue  # it is there, under the misspelt name, which is reported
         _add(detail, model, path, misspelt, problems)
     return None
 

@@ -1,4 +1,4 @@
-"""What to improve, and cameras for a part, as JSON-ready data."""
+"""The answers of improve and specify as JSON-ready data."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ __all__ = ["improvement_document", "specification_document"]
 def improvement_document(
     improvement: Improvement, requirement: Requirement, inputs: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Lengths mm, angles deg, pixels px; what does not exist is null."""
+    """The improvement as JSON-ready data: lengths mm, angles deg, pixels px; what does not exist is null."""
     return {
-        **_pose_error(requirement, inputs),
+        **_heading(requirement, inputs),
         "viewpoints_tried": improvement.viewpoints,
         "knobs": {
             name: {"today": today, "unit": knob_named(name).unit, "what": knob_named(name).what}
@@ -41,25 +41,25 @@ def improvement_document(
             "left_out": list(improvement.left_out),
         },
         "trade_off": [asdict(trade) for trade in improvement.trade_off],
-        "not_measurable": _refused(improvement.not_measurable),
+        "not_measurable": _not_measurable(improvement.not_measurable),
     }
 
 
 def specification_document(
     specification: Specification, requirement: Requirement, inputs: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Lengths mm, angles deg, pixels px; what does not exist is null."""
+    """The specification as JSON-ready data: lengths mm, angles deg, pixels px; what does not exist is null."""
     return {
-        **_pose_error(requirement, inputs),
+        **_heading(requirement, inputs),
         "characteristics": specification.characteristics,
         "smallest": None if specification.smallest is None else _choice(specification.smallest),
         "best": [_choice(choice) for choice in specification.best],
         "choices": [_choice(choice) for choice in specification.choices],
-        "not_measurable": _refused(specification.not_measurable),
+        "not_measurable": _not_measurable(specification.not_measurable),
     }
 
 
-def _pose_error(requirement: Requirement, inputs: Mapping[str, str]) -> dict[str, Any]:
+def _heading(requirement: Requirement, inputs: Mapping[str, str]) -> dict[str, Any]:
     return {"version": version("viewgauge"), "inputs": dict(inputs), "requirement": asdict(requirement)}
 
 
@@ -92,5 +92,5 @@ def _choice(choice: CameraChoice) -> dict[str, Any]:
     }
 
 
-def _refused(not_measurable: Sequence[NotMeasurable]) -> list[dict[str, Any]]:
+def _not_measurable(not_measurable: Sequence[NotMeasurable]) -> list[dict[str, Any]]:
     return [{"id": entry.id, "kind": entry.kind, "reason": entry.reason} for entry in not_measurable]

@@ -141,7 +141,7 @@ def write_plan_files(plan: Plan, document: Mapping[str, Any], folder: Path) -> N
     Parameters
     ----------
     document
-        Of the plan (:func:`plan_document`).
+        The content of plan.json (:func:`plan_document`).
     """
     poses = np.array([s.T_part_camera for s in plan.viewpoints]).reshape(-1, 4, 4)  # also where there is none
     write_viewpoints(folder / "viewpoints.csv", [s.id for s in plan.viewpoints], poses)
@@ -151,8 +151,8 @@ def write_plan_files(plan: Plan, document: Mapping[str, Any], folder: Path) -> N
 
 
 def _assignments(plan: Plan) -> str:
-    """Of each characteristic that is met one row for each acquisition: its viewpoint, how sure, and the two points
-    measured.
+    """The CSV of assignments: for each characteristic that is met one row an acquisition, with its viewpoint, the
+    probability, and the two points measured.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

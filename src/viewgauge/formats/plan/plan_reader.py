@@ -50,7 +50,7 @@ class PlannedMeasurement:
 
 
 def read_plan(folder: Path) -> tuple[PlannedMeasurement, ...]:
-    """What ``plan.json`` in a folder, or a file of that content, plans to measure.
+    """The measurements that ``plan.json`` in a folder, or a file of that content, plans.
 
     Raises
     ------

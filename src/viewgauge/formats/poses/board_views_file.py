@@ -27,7 +27,7 @@ from ..files.yaml_tree import parse_yaml
 __all__ = ["BoardFile", "is_board_file", "read_board_views"]
 
 FEWEST_CORNERS = 8
-"""Of a view: fewer leave its pose too doubtful."""
+"""The least number of corners of a view: fewer leave its pose too doubtful."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def _tree(path: Path) -> tuple[dict[str, Any], dict[Any, int]]:
     tree = parse_yaml(read_text(path, InputError), problems)
     problems.raise_if_any()
     if not isinstance(tree.value, dict):
-        raise InputError("not a mapping", file=path)
+        raise InputError("not a mapping of keys to values", file=path)
     return tree.value, tree.lines
 
 

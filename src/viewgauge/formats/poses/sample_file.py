@@ -1,4 +1,4 @@
-"""What a file of pose-error samples holds, and what reads one."""
+"""The content of a file of pose-error samples, and the protocol of its readers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["SampleDocument", "SampleFile", "SampleFormat"]
 
 @dataclass(frozen=True)
 class SampleFile:
-    """The samples, what they are in words, and how many commanded poses were visited repeatedly (0 if none)."""
+    """The samples, their kind in words, and how many commanded poses were visited repeatedly (0 if none)."""
 
     samples: PoseSamples
     kind: str
@@ -58,7 +58,7 @@ class SampleFormat(Protocol):
 
     @property
     def suffixes(self) -> tuple[str, ...]:
-        """Of its files, in lower case, with their point."""
+        """Suffixes of its files, in lower case, with their point."""
         ...
 
     @property

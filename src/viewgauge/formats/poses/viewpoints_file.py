@@ -60,7 +60,7 @@ def read_viewpoints(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDAr
             numbers.extend(_numbers(path, line, cells))
             lines[name] = line
     except ViewpointsFileError:
-        _poses(path, numbers, lines)  # what is wrong further up is told first
+        _poses(path, numbers, lines)  # what is wrong further up is reported first
         raise
     if not lines:
         raise ViewpointsFileError("no viewpoints in the file", file=path, expected="at least one row below the header")

@@ -68,7 +68,8 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
     path
         The file.
     chord_error_mm
-        Of the mesh and of the edges' points, mm; None: 2e-4 of the part's diagonal, from 0.01 to 0.1 mm.
+        Largest distance of mesh and edge points from the true surface, mm; None: 2e-4 of the part's diagonal,
+        from 0.01 to 0.1 mm.
     with_pmi
         Read the dimensions too.
 
@@ -298,7 +299,7 @@ class _Topology:
     def references(self, reader: Any, text: StepText, wanted: Collection[int]) -> dict[int, list[Reference]]:
         """Faces and edges by the number of the record that they came from.
 
-        The kernel answers only in the direction from shape to entity, and acquisitions entities up by address; so the
+        The kernel answers only in the direction from shape to entity, and looks entities up by address; so the
         wanted records are found in its model by their label, and every face (and edge, if any is wanted) is
         asked for its entity.
         """
@@ -391,7 +392,7 @@ def _sampled(
 
 
 def _without_gaps(normals: Vectors) -> Vectors:
-    """The same with each missing (zero) normal replaced by the nearest one along the edge."""
+    """The normals, with each missing (zero) one replaced by the nearest one along the edge."""
     there = np.flatnonzero(np.any(normals != 0.0, axis=1))
     if len(there) in (0, len(normals)):
         return normals

@@ -18,7 +18,7 @@ __all__ = ["Options", "main"]
 
 
 class Options(TypedDict):
-    """What the parent asks for: mm (None: chosen from the part's size), dimensions too, bytes."""
+    """The parent's options: chord error, mm (None: chosen from the part's size), PMI or not, memory limit, bytes."""
 
     chord_error_mm: float | None
     with_pmi: bool

@@ -122,7 +122,7 @@ def _reading(
 
 @dataclass(frozen=True)
 class _Outcome:
-    """What became of a child: a part, a refusal (the child's record), a crash in words, or none in time."""
+    """The outcome of a child: a part, a refusal (the child's record), a crash in words, or nothing in time."""
 
     brep: Brep | None = None
     refusal: dict[str, str | None] | None = None
@@ -147,11 +147,11 @@ def _check_text(path: Path) -> None:
         raise PartFileError("the part is a folder", file=path, expected=expected)
     try:
         with path.open("rb") as stream:
-            pose_error = stream.read(_MESSAGE_BYTES)
-            if not pose_error.strip():
+            beginning = stream.read(_MESSAGE_BYTES)
+            if not beginning.strip():
                 raise PartFileError("the file is empty", file=path, expected=expected)
-            if not pose_error.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(_START):
-                got = repr(pose_error[:40].decode("latin-1"))
+            if not beginning.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(_START):
+                got = repr(beginning[:40].decode("latin-1"))
                 raise PartFileError("this is not a STEP file", file=path, got=got, expected=expected)
             with mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
                 complete = content.rfind(_END) >= 0
@@ -191,7 +191,7 @@ def _attempt(
 
 
 def _outcome(child: subprocess.Popen[bytes], deadline: float, folder: Path, output: IO[bytes]) -> _Outcome:
-    """What became of the child, which ends now, if not by itself then at the deadline."""
+    """The outcome of the child, which ends by itself or is ended at the deadline."""
     try:
         code = child.wait(max(0.0, deadline - time.monotonic()))
     except subprocess.TimeoutExpired:
@@ -248,7 +248,7 @@ def _refused(folder: Path, code: int, messages: str) -> _Outcome:
 def _error(path: Path, outcome: _Outcome, options: Options, timeout_s: float) -> PartFileError:
     """The error that tells the user what became of the child."""
     refusal = outcome.refusal
-    simpler = "export the part again, or use a mesh (STL, PLY, OBJ) with dimensions in the inspection file"
+    simpler = "export the part again, or use a mesh (STL, PLY, OBJ) with characteristics in the inspection file"
     if refusal is None and not outcome.crash:
         problem, hint = f"reading the file took longer than {timeout_s:g} s", "allow more time, or simplify the part"
         return PartFileError(problem, file=path, hint=hint)

@@ -45,7 +45,7 @@ class Dimension:
 
     Parameters
     ----------
-    PMI record
+    pmi_record
         All but the references.
     first, second
         Record numbers of the faces and edges on either side.
@@ -290,7 +290,7 @@ def _kind(types: set[str], label: str) -> PmiKind:
 
 
 def _named_apart(dimensions: Sequence[Dimension]) -> tuple[Dimension, ...]:
-    """The same with unique names: the file's, or the label with a running number."""
+    """The dimensions with unique names: the file's, or the label with a running number."""
     taken: Counter[str] = Counter()
     named = []
     for index, dimension in enumerate(dimensions, start=1):
@@ -316,11 +316,11 @@ def to_pmi_records(
     Parameters
     ----------
     dimensions
-        As read from the records.
+        The dimensions as read from the records.
     shapes
-        What of the part each record became.
+        The faces and edges of the part that stand for each record.
     faces, edges
-        Of the part.
+        All faces and edges of the part.
     """
     pmi_records = []
     for dimension in dimensions:

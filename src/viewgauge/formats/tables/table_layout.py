@@ -1,4 +1,4 @@
-"""What a table over (viewpoint, characteristic) consists of, apart from its values."""
+"""The structure of a table over (viewpoint, characteristic): ids, columns and chunks, without the values."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Column:
     Parameters
     ----------
     name
-        As written.
+        The column's name as it is written.
     kind
-        What its arrays hold: "real" (float64), "flag" (bool), "whole" (int64), or "name" (indices into ``names``).
+        The type of its values: "real" (float64), "flag" (bool), "whole" (int64), or "name" (indices into ``names``).
     names
-        Of "name": what the indices stand for; written in their place.
+        The texts that the indices of a "name" column stand for; written in their place.
     in_rows
         Whether CSV and Parquet have it too, or Zarr only.
     """
@@ -35,7 +35,7 @@ class Column:
 
     @property
     def dtype(self) -> np.dtype[np.generic]:
-        """Of the values as they are read again; names as text of fixed width, the longest name's."""
+        """The type of the values as they are read again; names are text as wide as the longest name."""
         if self.kind == "name":
             return np.dtype(f"<U{max(1, *map(len, self.names))}")
         return np.dtype({"real": "<f8", "flag": "|b1", "whole": "<i8"}[self.kind])
@@ -48,15 +48,15 @@ class TableLayout:
     Parameters
     ----------
     viewpoint_ids, characteristic_ids
-        Of n viewpoints and D characteristics. Of the viewpoints only slices are asked for.
+        Ids of n viewpoints and of D characteristics. Only slices of the viewpoints' ids are asked for.
     columns
-        In the order in which they are written.
+        The columns in the order in which they are written.
     chunk_viewpoints
         Number of viewpoints that are written at once: chunk k is the viewpoints from ``k * chunk_viewpoints``.
     coordinates
-        What is known of the characteristics, by name, ``(D,)``; in Zarr only.
+        Properties of the characteristics, by name, ``(D,)``; in Zarr only.
     attrs
-        Of the whole table; in Zarr only.
+        Attributes of the whole table; in Zarr only.
     """
 
     viewpoint_ids: Sequence[str]

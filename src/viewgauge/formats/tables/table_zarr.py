@@ -87,8 +87,8 @@ class ZarrTable:
     layout
         What the table consists of.
     fingerprint
-        All that the content depends on. With the same, what an earlier process has done is :attr:`done`. None: nothing
-        is kept, neither from earlier nor for later.
+        Text that changes with anything that the content depends on. With the same text, what an earlier process has
+        written is :attr:`done`. None: nothing is kept, neither from earlier nor for later.
 
     Raises
     ------
@@ -130,7 +130,7 @@ class ZarrTable:
         """Summaries of the chunks that are done, by chunk, as they were when the table was opened."""
 
     def writer(self) -> ZarrRegionWriter:
-        """What other processes write chunks with; without the ids of the viewpoints, so that it is small."""
+        """A writer of chunks for other processes; it is small, for it has no ids of viewpoints."""
         unnamed = range(len(self._layout.viewpoint_ids))
         layout = replace(self._layout, viewpoint_ids=unnamed)  # type: ignore[arg-type] # never read
         return ZarrRegionWriter(self._journal.job, layout, self._path)
