@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from viewgauge.evaluation import CapabilityRequirement, ConformanceRequirement, Process, Requirement
-from viewgauge.report.wording import length, probability, requirement_text, rounded, tolerance
+from viewgauge.report.wording import length, probability, rounded, tolerance
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_tolerance(deviations: tuple[float, float] | None, printed: str) -> None
     ],
 )
 def test_requirement(requirement: Requirement, words: str) -> None:
-    assert requirement_text(requirement) == f"{words}, with a probability of at least 0.95"
+    assert requirement.text == f"{words}, with a probability of at least 0.95"
 
 
 @pytest.mark.parametrize(
@@ -123,4 +123,4 @@ def test_requirement(requirement: Requirement, words: str) -> None:
     ],
 )
 def test_requirements_of_other_kinds(requirement: Requirement, words: str) -> None:
-    assert requirement_text(requirement) == words
+    assert requirement.text == words

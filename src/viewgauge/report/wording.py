@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..evaluation import CapabilityRequirement, ConformanceRequirement, Requirement
-
-__all__ = ["DASH", "length", "probability", "requirement_text", "rounded", "tolerance"]
+__all__ = ["DASH", "length", "probability", "rounded", "tolerance"]
 
 DASH = "–"
 PROBABILITY_DIGITS = 4
@@ -59,47 +57,3 @@ def tolerance(deviations: tuple[float, float] | None) -> str:
     if math.isclose(-lower, upper) and upper > 0:
         return f"±{length(upper)}"
     return f"{_deviation(upper)} / {_deviation(lower)}"
-
-
-def requirement_text(requirement: Requirement) -> str:
-    """The requirement in words."""
-    if isinstance(requirement, CapabilityRequirement):
-        return _capability_text(requirement)
-    if isinstance(requirement, ConformanceRequirement):
-        return _conformance_text(requirement)
-    stated = {
-        "accuracy": f"accuracy of at least {requirement.value:g}",
-        "error": f"error of at most {length(requirement.value)} mm",
-        "fraction_of_tolerance": f"error of at most {requirement.value:.4g} of the tolerance",
-    }
-    return f"{stated[requirement.kind]}, with a probability of at least {requirement.probability:g}"
-
-
-def _capability_text(requirement: CapabilityRequirement) -> str:
-    """Such as: Cg of at least 1.33 (20 % of the tolerance zone over 6 standard deviations)."""
-    spread = f"{requirement.sigmas:g} standard deviations"
-    zone = f"{100 * requirement.share:.4g} % of the tolerance zone"
-    if requirement.kind == "percent_p_to_t":
-        return f"P/T of at most {100 * requirement.value:.4g} % ({spread} over the tolerance zone)"
-    if requirement.kind == "cg":
-        return f"Cg of at least {requirement.value:g} ({zone} over {spread})"
-    bias = f"{length(abs(requirement.bias_mm))} mm" if requirement.bias_mm else "none"
-    return f"Cgk of at least {requirement.value:g} ({zone} over {spread}; bias: {bias})"
-
-
-def _conformance_text(requirement: ConformanceRequirement) -> str:
-    """Such as: consumer's risk of at most 1 % by simple acceptance (...)."""
-    risks = {"consumer's": requirement.consumer_risk, "producer's": requirement.producer_risk}
-    limits = [f"{whose} risk of at most {100 * risk:.4g} %" for whose, risk in risks.items() if risk is not None]
-    rule = {
-        "simple": "simple acceptance (shared risk)",
-        "guarded": f"guarded acceptance, w = {requirement.guard:g} U",
-        "guarded_rejection": f"guarded rejection, w = {requirement.guard:g} U",
-    }[requirement.rule]
-    process = requirement.process
-    if process.standard_deviation_mm is None:
-        spread = f"process capability Cp {process.capability:g}"
-    else:
-        spread = f"process standard deviation {length(process.standard_deviation_mm)} mm"
-    offset = f", offset {length(process.offset_mm)} mm" if process.offset_mm else ""
-    return f"{' and '.join(limits)}, by {rule}; {spread}{offset} (JCGM 106)"

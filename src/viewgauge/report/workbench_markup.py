@@ -12,7 +12,7 @@ from ..planning.improve.answers import Answers, CharacteristicAnswer
 from .palette import NOT_MET_COLOUR, UNSEEN_COLOUR, Theme, probability_colour
 from .pictures.view_picture import REASON_WORDS, ViewpointView, unseen_table, view_picture
 from .templating import render
-from .wording import DASH, length, probability, requirement_text, tolerance
+from .wording import DASH, length, probability, tolerance
 
 __all__ = [
     "answer_table",
@@ -67,7 +67,7 @@ def verdict_markup(answers: Answers, planned: Requirement) -> str:
         else f"✗ {total - met} of {total} characteristics are not met",
         good=good,
         cards=cards,
-        requirement=requirement_text(requirement),
+        requirement=requirement.text,
         turned=requirement != planned,
     )
 

@@ -179,7 +179,7 @@ class Controls:
 
     def _required(self, inspection: Inspection, knobs: KnobValues) -> Any:
         requirement = inspection.requirement
-        self._required_scale = 1.0 if requirement.kind == "error" else 100.0
+        self._required_scale = 1.0 if requirement.unit else 100.0
         if knobs.required is None:
             return self._gui.add_slider(
                 "Requirement",
@@ -203,7 +203,7 @@ class Controls:
                 initial_value=min(shown, 100 - step),
                 hint="The accuracy, relative to the length, that every characteristic must reach.",
             )
-        label = "Allowed error / mm" if requirement.kind == "error" else "Allowed share of the tolerance / %"
+        label = "Allowed error / mm" if requirement.unit else "Allowed share of the tolerance / %"
         step = _nice(shown / _STEPS)
         return self._gui.add_slider(label, min=step, max=4 * shown, step=step, initial_value=shown)
 

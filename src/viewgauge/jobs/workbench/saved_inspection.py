@@ -59,7 +59,7 @@ def changed_inspection_text(text: str, inspection: Inspection, knobs: KnobValues
             changes["pose_uncertainty", name] = f"{_digits(deviations[0])} {unit}" if alike else f"[{listed}] {unit}"
     if knobs.required is not None:
         if today.required is not None and not math.isclose(knobs.required, today.required):
-            unit = " mm" if inspection.requirement.kind == "error" else ""
+            unit = f" {inspection.requirement.unit}" if inspection.requirement.unit else ""
             value = _digits(knobs.required)
             changes["requirement", inspection.requirement.kind] = f"{value}{unit}" if unit else float(value)
         if not math.isclose(knobs.probability, today.probability):

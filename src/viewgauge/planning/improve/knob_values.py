@@ -76,7 +76,7 @@ class KnobValues:
             1.0,
             KNOBS["translation"].today(rig),
             float(np.radians(KNOBS["rotation"].today(rig))),
-            requirement.value if type(requirement) is Requirement else None,
+            requirement.value if requirement.is_adjustable else None,
             requirement.probability,
         )
 
@@ -106,7 +106,7 @@ class KnobValues:
         changes: dict[str, Any] = {}
         if self.required is not None and self.required != requirement.value:
             changes["value"] = self.required
-        if self.probability != requirement.probability and type(requirement) is Requirement:
+        if self.probability != requirement.probability and requirement.is_adjustable:
             changes["probability"] = self.probability
         return replace(requirement, **changes) if changes else requirement
 

@@ -10,7 +10,7 @@ from typing import Any
 from ...evaluation.requirement.allowed_error import Requirement
 from ...planning.improve.improvement import CameraChoice, Improvement, Specification
 from ..templating import render_page
-from ..wording import DASH, requirement_text, rounded
+from ..wording import DASH, rounded
 from .changes import changes_table
 
 __all__ = ["render_improvement", "render_specification"]
@@ -73,7 +73,7 @@ def _page(
         template,
         picture,
         title=title,
-        requirement=requirement_text(requirement),
+        requirement=requirement.text,
         inputs={**inputs, "viewgauge": version("viewgauge")},
         has_picture=picture is not None,
         **values,

@@ -14,7 +14,7 @@ from ...sensors import Camera, EdgeDetector
 from ..palette import DARK, LIGHT
 from ..pictures.part_scene import TRIANGLE_LIMIT, build_scene
 from ..templating import Markup, render, render_page
-from ..wording import length, requirement_text
+from ..wording import length
 from .budget_section import budget_section, capability_section, refinement_section
 from .changes import changes_table
 from .details import PlanDetails
@@ -121,7 +121,7 @@ def _rendered(
         "page.html",
         pictures,
         title=title,
-        requirement=requirement_text(requirement),
+        requirement=requirement.text,
         summary=summary_section(plan),
         notes=[*part.notes, remark] if remark else part.notes,
         characteristics=characteristics_section(plan),
