@@ -152,7 +152,7 @@ class ConformanceRequirement(Requirement):
             spread = f"process capability Cp {process.capability:g}"
         else:
             spread = f"process standard deviation {process.standard_deviation_mm:.6g} mm"
-        offset = f", offset {process.offset_mm:.6g} mm" if process.offset_mm else ""
+        offset = f", offset {process.offset_mm:.6g} mm".replace("-", "−") if process.offset_mm else ""
         return f"{' and '.join(limits)}, by {rule}; {spread}{offset} (JCGM 106)"
 
     @property
