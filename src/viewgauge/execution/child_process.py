@@ -48,8 +48,8 @@ class Job(Generic[_Result]):
     Parameters
     ----------
     work
-        A function of a module, which takes a :class:`~viewgauge.jobs.Progress` first; it and its arguments go to
-        the child pickled, its result, or the error it raises, comes back so.
+        A function of a module, which takes a :class:`~viewgauge.execution.progress.Progress` first; it and its
+        arguments go to the child pickled, its result, or the error it raises, comes back so.
     watcher
         Called from another thread with each :class:`Stage`.
     memory_bytes

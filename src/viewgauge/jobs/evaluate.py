@@ -160,8 +160,8 @@ def evaluate_into(
     columns
         Names of the columns to write, whose order does not matter; by default all, but ``measurand`` to Zarr only.
     executor
-        Where chunks run (:func:`~viewgauge.jobs.open_executor`); by default in this process. Zarr is written by
-        the processes of the executor, which must all see the path.
+        Where chunks run (:func:`~viewgauge.execution.executor.open_executor`); by default in this process. Zarr is
+        written by the processes of the executor, which must all see the path.
     viewpoints_per_chunk
         Bounds the memory of a process; of Zarr also the chunks.
 

@@ -49,7 +49,8 @@ def validate(
     edges
         How edges are found in the same images: "sub-pixel", "whole-pixel".
     executor
-        Where viewpoints are worked on (:func:`~viewgauge.jobs.open_executor`); by default in this process.
+        Where viewpoints are worked on (:func:`~viewgauge.execution.executor.open_executor`); by default in this
+        process.
 
     Returns
     -------

@@ -94,7 +94,7 @@ def plan(
     seed
         In place of the inspection's. The same seed gives the same plan, in chunks of any size, wherever they run.
     executor
-        Where chunks run (:func:`~viewgauge.jobs.open_executor`); by default in this process.
+        Where chunks run (:func:`~viewgauge.execution.executor.open_executor`); by default in this process.
     viewpoints_per_chunk
         Bounds the memory of a process.
     journal

@@ -20,7 +20,7 @@ __all__ = ["plan_archive", "viewpoints_text"]
 
 
 def plan_archive(plan: Plan, inspection: Inspection) -> bytes:
-    """A ZIP file with what :func:`~viewgauge.jobs.write_plan` writes."""
+    """A ZIP file with what :func:`~viewgauge.jobs.write.write_plan` writes."""
     content = io.BytesIO()
     with tempfile.TemporaryDirectory(prefix="viewgauge-") as folder:
         write_plan(plan, inspection, folder)

@@ -93,7 +93,7 @@ def reachable_distances(
     Parameters
     ----------
     points, normals
-        ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.MeasurandTable`.
+        ``(g, 2, 3)`` mm, ``(g, 2, k, 3)``: as in :class:`~viewgauge.part.measurand_table.MeasurandTable`.
     """
     low, high = first_cell(region)
     if not len(low):
