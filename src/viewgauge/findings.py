@@ -1,0 +1,75 @@
+"""Findings: input that can be read but that hardly any camera, robot or part has.
+
+An input that is impossible is an :class:`~viewgauge.exceptions.InputError`. A finding is for an input that is possible
+and implausible: a length of 0.07 mm where millimetres were probably metres, a principal point a quarter of the image
+off the middle. Each finding has a name, under which a user accepts it: ``accept: [principal_point]`` in the inspection
+file, ``--accept principal_point`` on the command line. A finding that is *refused* ends the command (exit code 2)
+unless it is accepted; another is shown as a warning, and is not shown once it is accepted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from .exceptions import InputError
+
+__all__ = ["Finding", "admit"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something implausible in the input.
+
+    Parameters
+    ----------
+    name
+        Under which it is accepted, such as ``principal_point``: lower case, words joined by ``_``.
+    found
+        One clause: what was found, with the figure that shows it, such as "the principal point lies 412 px (26 % of
+        the width) from the middle of the image".
+    usual
+        What is usual, such as "at most 10 %"; empty where ``found`` says it.
+    cause
+        The likely cause, such as "the calibration was made at another image size"; empty where none is likely.
+    where
+        File and key; empty where the message is about the whole input.
+    refused
+        Whether the command ends with it (exit code 2) unless it is accepted.
+    """
+
+    name: str
+    found: str
+    usual: str = ""
+    cause: str = ""
+    where: str = ""
+    refused: bool = False
+
+    def __str__(self) -> str:
+        """A sentence for people."""
+        text = f"{self.where}: {self.found}" if self.where else self.found
+        if self.usual:
+            text += f"; usual is {self.usual}"
+        if self.cause:
+            text += f". Likely cause: {self.cause}"
+        return f"{text} [{self.name}]"
+
+
+def admit(findings: Iterable[Finding], accepted: Collection[str] = ()) -> tuple[Finding, ...]:
+    """Those findings that are shown as warnings: not accepted, and not refused.
+
+    Raises
+    ------
+    InputError
+        If a finding is refused and its name is not among ``accepted``.
+    """
+    open_ones = [finding for finding in findings if finding.name not in accepted]
+    refused = [finding for finding in open_ones if finding.refused]
+    if refused:
+        names = ", ".join(dict.fromkeys(finding.name for finding in refused))
+        raise InputError(
+            "\n".join(str(finding) for finding in refused),
+            hint=f"correct the input; or, if it is meant so, accept it by name: accept: [{names}] in the inspection "
+            f"file, or --accept on the command line",
+        )
+    return tuple(open_ones)
