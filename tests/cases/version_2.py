@@ -16,7 +16,8 @@ def version_2(text: str) -> str:
     text = _POINTS.sub(r"\1points: [\2, \4]\n\1unit: \3", text)
     text = re.sub(r"\bpivot: (\[[^\]]*\]) (\w+)", r'frame: {position: "\1 \2"}', text)
     text = re.sub(r"\bedge_resolution: ([^,}\n]+)", r"edge_detector: {quantization: \1}", text)
-    for old, new in (("dimensions:", "characteristics:"), ("head:", "pose_uncertainty:"), ("locator:", "edge_detector:")):
+    renamed = {"dimensions:": "characteristics:", "head:": "pose_uncertainty:", "locator:": "edge_detector:"}
+    for old, new in renamed.items():
         text = re.sub(rf"(^|[\s{{]){old}", rf"\g<1>{new}", text, flags=re.M)
     return re.sub(r'(?<!")(\[[^\[\]]*\]) (mm|um|m|deg|rad|px)\b(?!")', r'"\1 \2"', text)
 
