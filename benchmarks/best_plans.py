@@ -52,13 +52,13 @@ class Row:
         return self.refined[0] > self.sampled[0] or self.same_count < self.sampled[1] - 1e-12
 
     @property
-    def surer_at_last(self) -> bool:
-        """The weakest characteristic of the refined plan is strictly surer, though the viewpoints may be fewer."""
+    def raised_at_last(self) -> bool:
+        """The weakest characteristic is strictly more probable in the refined plan, which may have fewer viewpoints."""
         return self.refined[2] > self.sampled[1]
 
     @property
-    def surer(self) -> bool:
-        """With as many viewpoints the weakest characteristic is strictly surer."""
+    def raised(self) -> bool:
+        """With as many viewpoints the weakest characteristic is strictly more probable."""
         return self.same_count > self.sampled[1]
 
 
@@ -114,7 +114,7 @@ def row(name: str, inspection: vg.Inspection, precision: float) -> Row:
     refined = vg.plan(inspection)
     seconds = between - start, time.perf_counter() - between
     steps = {step.name: step for step in refined.refinement.steps}
-    same = steps["surer"].weakest if steps["surer"].count == sampled.count else steps["sampled"].weakest
+    same = steps["raise"].weakest if steps["raise"].count == sampled.count else steps["sampled"].weakest
     contradicted, difference = confirmed(inspection, refined, precision)
     not_met = [d for d in refined.characteristics if d.status == "not_met"]
     return Row(
@@ -174,11 +174,11 @@ def main() -> int:
     for of in rows:
         for not_met in of.not_met:
             print(f"- {of.part}, {not_met}")
-    surer, at_last = sum(of.surer for of in rows), sum(of.surer_at_last for of in rows)
+    raised, at_last = sum(of.raised for of in rows), sum(of.raised_at_last for of in rows)
     worse = sum(of.worse for of in rows)
     contradicted = sum(of.contradicted for of in rows)
     print(
-        f"\nParts whose lowest probability rises: {surer} of {len(rows)} with the same number of viewpoints, "
+        f"\nParts whose lowest probability rises: {raised} of {len(rows)} with the same number of viewpoints, "
         f"{at_last} in the refined plan,"
     )
     print("which may have fewer viewpoints. Parts with more viewpoints, or with as many and a lower probability:")

@@ -158,7 +158,7 @@ def test_improve_page_shows_what_is_printed(
 ) -> None:
     pytest.importorskip("OCP")
     monkeypatch.chdir(tmp_path)
-    text = (EXAMPLE / "inspection.yaml").read_text(encoding="utf-8")
+    text = (EXAMPLE / "inspection.yaml").read_text(encoding="utf-8").replace("directions: 200", "directions: 40")
     (tmp_path / "inspection.yaml").write_text(text, encoding="utf-8")
     (tmp_path / "whole_pixels.yaml").write_text(
         text.replace("quantization: 0.1 px", "quantization: 1 px"), encoding="utf-8"

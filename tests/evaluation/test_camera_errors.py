@@ -66,7 +66,7 @@ RIM_AXIS /= np.linalg.norm(RIM_AXIS)
     ],
     ids=["half", "other half"],
 )
-@pytest.mark.parametrize("error", [POSE_ERROR, STILL], ids=["pose_error", "no head error"])
+@pytest.mark.parametrize("error", [POSE_ERROR, STILL], ids=["pose_error", "no pose error"])
 @pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 def test_the_law_agrees_with_the_full_camera(camera, error, of_each):
     """In probability, at 0.7 and 1.6 standard deviations, to 1.5e-3: 1e-3 of the estimate (99 % interval) and of what

@@ -427,7 +427,11 @@ def scheduler_elsewhere(tmp_path):
     options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
     with running("dask_scheduler", *options) as process:
         wait_for(file)
-        yield json.loads(file.read_text())["address"], process
+        deadline = time.monotonic() + PATIENCE_S
+        while not (text := file.read_text()).rstrip().endswith("}"):  # made, and then written
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        yield json.loads(text)["address"], process
 
 
 def worker_for(address):

@@ -109,7 +109,7 @@ def test_what_is_met_has_slack_and_what_is_not_needs_less(improvement, inspectio
         for name in ("pixel", "translation", "rotation", "pose_error"):
             factor = characteristic.changes[name].factor
             assert factor is None or (factor >= 1) == characteristic.met
-            if factor is None:  # hopeless: without this error it is still not sure enough, but surer than today
+            if factor is None:  # hopeless: without this error it is still not probable enough, but more than today
                 best = characteristic.changes[name].best_probability
                 assert characteristic.probability - 1e-9 <= best < 0.95
 

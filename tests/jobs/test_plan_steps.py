@@ -155,8 +155,8 @@ def test_budgets_belong_to_the_plan_s_own_figures(inspection, plan):
         assert budget.probability == pytest.approx(d.probability, abs=1e-9)  # another code: the table's kernel
         if d.acquisitions:
             continue
-        # without its largest source the characteristic is surer, to what a head or edge detector without it really
-        # gives
+        # without its largest source the characteristic is as probable as with a camera or a pose that lacks this source,
+        # and more probable than with it
         without = replace(inspection, camera=replace(inspection.camera, edge_resolution_px=0.0))
         exact = vg.success_probability(
             *transform(invert(d.T_part_camera), d.measurand),
@@ -193,7 +193,7 @@ def test_plan_json_holds_it_all(folder, plan):
     by_id = {d["id"]: d for d in document["characteristics"]}
     assert document["anywhere"] == {"lower_bound": plan.anywhere.count, "proven": False, "apart": []}
     assert document["interrupted"] is False
-    assert [s["name"] for s in document["refinement"]["steps"]] == ["sampled", "reach", "surer", "fewer"]
+    assert [s["name"] for s in document["refinement"]["steps"]] == ["sampled", "reach", "raise", "fewer"]
     e5, e9 = by_id["E5"], by_id["E9"]
     assert [acquisition["viewpoint"] for acquisition in e5["acquisitions"]] == [
         acquisition.viewpoint for acquisition in of(plan, "E5").acquisitions

@@ -84,7 +84,8 @@ FEW = look_at([[40.0, 40, 240], [-40, 40, 240], [0, -40, 250]], [[0.0, 0, 0], [-
 
 
 def test_the_refined_viewpoint_is_as_sure_as_the_best_of_a_fine_grid():
-    """100,000 poses by brute force: none measures the weaker of two dimensions surer than what refining found."""
+    """100,000 poses by brute force: refining found at least the best
+    probability of the weaker of two characteristics."""
     poses = grid_of_poses(10.0, np.linspace(-0.2, 0.2, 5), np.arange(0, np.pi, np.pi / 12))
     assert len(poses) > 100_000
     judge = evaluator(NEAR, 0.035)
@@ -122,7 +123,7 @@ def test_the_refined_is_never_worse_and_stays_in_the_region():
     assert set(before.reached(REQUIRED)) <= set(chosen.reached(REQUIRED))
     assert np.allclose(judge.probabilities(chosen.T_part_camera), chosen.probability, atol=1e-12)
     steps = reported.steps
-    assert [s.name for s in steps] == ["sampled", "reach", "surer", "fewer"]
+    assert [s.name for s in steps] == ["sampled", "reach", "raise", "fewer"]
     for earlier, later in itertools.pairwise(steps):
         assert (later.met, -later.count) >= (earlier.met, -earlier.count)
         if (later.met, later.count) == (earlier.met, earlier.count):

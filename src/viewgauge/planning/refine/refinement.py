@@ -4,7 +4,7 @@ Three steps are tried in turn, each by searches over all poses that the region a
 (:mod:`~viewgauge.planning.refine.pose_search`), which start from the viewpoints at hand:
 
 - *reach*: each characteristic that no viewpoint measures as required gets searches of its own;
-- *surer*: each chosen viewpoint moves to where the weakest of what it measures is most probable, and viewpoints are
+- *raise*: each chosen viewpoint moves to where the weakest of what it measures is most probable, and viewpoints are
   sought that are worth more than one at a higher requirement;
 - *fewer*: viewpoints are sought that make the cover smaller: those that hold characteristics worth more than one
   viewpoint by the prices of the linear relaxation (column generation), and those that can replace two.
@@ -119,7 +119,7 @@ class Refiner:
         reached = self.pool.reached(self._required)
         best, steps, finished = (chosen, bound), [self._reported("sampled", chosen)], False
         try:
-            for name, step in (("reach", self._reach), ("surer", self._more_probable), ("fewer", self._fewer)):
+            for name, step in (("reach", self._reach), ("raise", self._more_probable), ("fewer", self._fewer)):
                 best = self._better(step(*best), best)
                 steps.append(self._reported(name, best[0]))
             finished = not self._late()

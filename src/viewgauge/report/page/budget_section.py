@@ -18,7 +18,7 @@ __all__ = ["budget_section", "capability_section", "refinement_section"]
 _STEPS = {
     "sampled": "Choosing among the candidates",
     "reach": "Measuring more",
-    "surer": "Raising probabilities",
+    "raise": "Raising probabilities",
     "fewer": "Dropping viewpoints",
 }
 """Words for the steps of :mod:`viewgauge.planning.refine.refinement`."""
