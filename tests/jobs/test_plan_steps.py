@@ -155,8 +155,8 @@ def test_budgets_belong_to_the_plan_s_own_figures(inspection, plan):
         assert budget.probability == pytest.approx(d.probability, abs=1e-9)  # another code: the table's kernel
         if d.acquisitions:
             continue
-        # without its largest source the characteristic is as probable as with a camera or a pose that lacks this source,
-        # and more probable than with it
+        # without its largest source the characteristic is as probable as with a camera or a pose that lacks this
+        # source, and more probable than with it
         without = replace(inspection, camera=replace(inspection.camera, edge_resolution_px=0.0))
         exact = vg.success_probability(
             *transform(invert(d.T_part_camera), d.measurand),
