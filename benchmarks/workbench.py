@@ -25,7 +25,7 @@ from viewgauge.web import open_workbench
 FACTORS = [0.8 + 0.02 * k for k in range(20)]
 FIELDS = ("pixel_pitch_mm", "edge_px", "focal_length_mm", "distance", "translation_mm", "rotation_rad")
 LABELS = ("Pixel pitch / µm", "Edge location / px", "Focal length / mm", "Distance / % of the planned")
-LABELS += ("Head: translation / mm", "Head: rotation / deg", "Probability Th")
+LABELS += ("Pose: translation / mm", "Pose: rotation / deg", "Probability Th")
 WITHOUT_GPU = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 KEYS = 6
 WAITS_FOR_TABLE = """

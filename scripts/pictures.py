@@ -102,10 +102,10 @@ def shoot_block(browser: Browser, plan: vg.Plan, inspection: vg.Inspection) -> N
         choose(page, "Characteristic", "E7")
         page.wait_for_timeout(3000)
         save(page.screenshot(), "workbench.png")
-        turn(page, "Head: translation / mm", "0.13")
+        turn(page, "Pose: translation / mm", "0.13")
         folder(page, "What if …", opened=False)
         folder(page, "Show")
-        page.get_by_role("button", name="all", exact=True).click()
+        page.get_by_role("button", name="everything", exact=True).click()
         for switch in ("Directions of the chosen characteristic", "Dark page"):
             page.get_by_label(switch).check()
         page.get_by_label("Names of the characteristics").uncheck()
