@@ -36,7 +36,7 @@ from ...part.brep import Brep, Edge, Face, Reference
 from ...part.mesh import Mesh
 from ..mesh.watertight import is_watertight
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
-from .pmi import DimensionReader, to_pmi_records
+from .pmi import read_pmi
 from .step_text import StepText, not_a_number
 from .step_units import Units
 from .triangle_weld import Weld, signed_volume

@@ -1,0 +1,20 @@
+"""The semantic PMI of a STEP file (AP242): dimensions and geometric tolerances, from the records of its text.
+
+Follows the CAx-IF "Recommended Practices for the Representation and Presentation of PMI (AP242)".
+"""
+
+from .dimensions import Dimension, DimensionReader
+from .geometric_tolerances import GeometricToleranceReader
+from .pmi_counts import count_toleranced
+from .pmi_notes import pmi_notes
+from .pmi_records import named_apart, to_pmi_records
+
+__all__ = [
+    "Dimension",
+    "DimensionReader",
+    "GeometricToleranceReader",
+    "count_toleranced",
+    "named_apart",
+    "pmi_notes",
+    "to_pmi_records",
+]
