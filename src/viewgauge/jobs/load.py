@@ -121,6 +121,7 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
             "there is no characteristic to measure: the part brings none, and the file gives none",
             file=file.path,
             key="part.characteristics",
+            got=" ".join(part.notes) or None,
             hint="add characteristics with an id and two points to part.characteristics",
         )
     return replace(
