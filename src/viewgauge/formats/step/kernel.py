@@ -71,7 +71,7 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
         Largest distance of mesh and edge points from the true surface, mm; None: 2e-4 of the part's diagonal,
         from 0.01 to 0.1 mm.
     with_pmi
-        Read the dimensions too.
+        Find the faces that the PMI refers to; without it every characteristic is read and none is measurable.
 
     Raises
     ------
@@ -98,12 +98,13 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
     text = StepText.scan(source)
     units = Units(text)
     brep = Brep(_product_name(text) or path.stem, units.summary(), faces, edges, mesh, ())
-    if not with_pmi:
-        return _noted(brep, notes)
     sources, counts = pmi_sources(text), count_toleranced(source)
-    wanted = {number for s in sources for number in (*s.first, *s.second)}
+    wanted = {number for s in sources for number in (*s.first, *s.second)} if with_pmi else ()
     shapes = topology.references(reader, text, wanted) if wanted else {}
     pmi_records = to_pmi_records(sources, shapes, faces, edges)
+    if not with_pmi:
+        lost = "the CAD kernel crashed when it was asked for the faces that it refers to"
+        pmi_records = tuple(r if r.indication.zone_mm is not None else replace(r, problem=lost) for r in pmi_records)
     notes += pmi_notes(text, pmi_records)
     return _noted(
         brep,
@@ -111,7 +112,7 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
         pmi_records=pmi_records,
         plus_minus_count=len(text.numbers("PLUS_MINUS_TOLERANCE")),
         pmi_counts=counts,
-        findings=pmi_findings(pmi_records, counts),
+        findings=pmi_findings(pmi_records, counts, faces),
     )
 
 

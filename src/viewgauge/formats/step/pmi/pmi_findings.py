@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from ....findings import Finding
-from ....part.brep import PmiRecord
+from ....part.brep import Face, PmiRecord
+from ....part.characteristics.angles import disagreeing_angle
 
 __all__ = ["pmi_findings"]
 
@@ -14,8 +16,10 @@ _NO_WIDTH = 1e-9  # mm or rad
 _AT_ITS_LIMIT = ("maximum material", "least material")  # a zone of 0 at the limit of size widens with the size
 
 
-def pmi_findings(pmi_records: Sequence[PmiRecord], counts: Mapping[str, int]) -> tuple[Finding, ...]:
-    """Tolerance zones without a width, and kinds of which the text has another number than was read.
+def pmi_findings(
+    pmi_records: Sequence[PmiRecord], counts: Mapping[str, int], faces: Sequence[Face]
+) -> tuple[Finding, ...]:
+    """Tolerance zones without a width, angles that the part does not have, and counts that differ from the text's.
 
     Parameters
     ----------
@@ -23,8 +27,11 @@ def pmi_findings(pmi_records: Sequence[PmiRecord], counts: Mapping[str, int]) ->
         What was read.
     counts
         Toleranced records by kind, as counted in the text.
+    faces
+        The faces of the part.
     """
     found = [finding for record in pmi_records if (finding := _without_width(record)) is not None]
+    found += [finding for record in pmi_records if (finding := _other_angle(record, faces)) is not None]
     read = Counter(record.kind for record in pmi_records if record.indication.toleranced)
     for kind in sorted({*read, *counts}):
         if read[kind] != counts.get(kind, 0):
@@ -37,6 +44,19 @@ def pmi_findings(pmi_records: Sequence[PmiRecord], counts: Mapping[str, int]) ->
                 )
             )
     return tuple(found)
+
+
+def _other_angle(record: PmiRecord, faces: Sequence[Face]) -> Finding | None:
+    between = disagreeing_angle(record, faces) if record.kind == "angle" else None
+    if between is None:
+        return None
+    in_degrees = math.isclose(record.nominal_mm, math.degrees(between), rel_tol=0.01)
+    said = math.degrees(record.nominal_mm)
+    return Finding(
+        "angle_of_the_part",
+        f"{record.name}: the file says {said:.6g} deg, and its faces are {math.degrees(between):.6g} deg apart",
+        cause="degrees were written under the unit radian" if in_degrees else "",
+    )
 
 
 def _without_width(record: PmiRecord) -> Finding | None:
