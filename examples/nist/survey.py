@@ -17,23 +17,25 @@ INTRODUCTION = f"""This page is made by `{COMMAND}`
 with the inspection files of `examples/nist/`: 12 megapixels, a 25 mm lens, edges located to 0.1 px, a pose uncertainty
 of 0.05 mm and 0.01 deg, and a requirement of 10 % of the tolerance with a probability of 95 %.
 
-A PMI record is one entry of the semantic PMI; on a pattern it makes one characteristic per feature. *Viewpoints* are
-those of the refined plan. The next two columns are the proven least numbers among all known viewpoints and over all
-poses that the region allows. Where more PMI records have a tolerance than the file has PLUS_MINUS_TOLERANCE entities,
-the others are toleranced by limits, as the notes say.
+A dimension or a geometric tolerance is one record of the semantic PMI; on a pattern it makes one characteristic per
+feature. Both counts are of records with a tolerance, and are found in the text of the file by other code than the
+reader's. *Viewpoints* are those of the refined plan. The next two columns are the proven least numbers among all known
+viewpoints and over all poses that the region allows. Below the table stand, for each part, the characteristics that
+are not met, those that are not measured, with the reason, and the basic and reference dimensions.
 """
 
+DIMENSIONS = ("angle", "diameter", "distance", "length", "other", "radius")
 COLUMNS = (
     *(
         "part",
         "unit",
-        "PMI records",
-        "with tolerance",
-        "PLUS_MINUS_TOLERANCE",
+        "toleranced dimensions",
+        "geometric tolerances",
+        "characteristics",
         "characteristics with measurands",
         "measurands",
     ),
-    *("candidates", "viewpoints", "least of those known", "least anywhere", "met", "not met", "not measurable"),
+    *("candidates", "viewpoints", "least of those known", "least anywhere", "met", "not met", "not measurable", "out of scope"),
     "weakest probability",
 )
 
@@ -49,11 +51,10 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     plan = vg.plan(inspection)
     by_status = {
         status: [d for d in plan.characteristics if d.status == status]
-        for status in ("met", "not_met", "not_measurable")
+        for status in ("met", "not_met", "not_measurable", "out_of_scope")
     }
-    pmi_records = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.characteristics}
-    toleranced = {d.id.rsplit("/", 1)[0] if "/" in d.id else d.id for d in plan.characteristics if d.tolerance_mm}
-    plus_minus = part_file.read_text(errors="replace").count("PLUS_MINUS_TOLERANCE(")
+    counts = inspection.part.pmi_counts
+    dimensions = sum(count for kind, count in counts.items() if kind in DIMENSIONS)
     measurands = sum(len(d.measurands) for d in inspection.part.characteristics)
     met = by_status["met"]
     weakest = min((d.probability for d in met), default=float("nan"))
@@ -61,9 +62,9 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
     cells = (
         inspection_file.stem.upper().replace("_", "-"),
         inspection.part.length_unit,
-        len(pmi_records),
-        len(toleranced),
-        plus_minus,
+        dimensions,
+        sum(counts.values()) - dimensions,
+        len(plan.characteristics),
         len(inspection.part.characteristics),
         measurands,
         plan.candidate_count,
@@ -73,6 +74,7 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
         len(met),
         len(by_status["not_met"]),
         len(by_status["not_measurable"]),
+        len(by_status["out_of_scope"]),
         f"{weakest:.4f}",
     )
     reasons = [
@@ -80,7 +82,9 @@ def survey(inspection_file: Path, part_file: Path) -> tuple[str, list[str]]:
         f"{d.probability:.4f}; {d.limit}. {d.proof[0].upper()}{d.proof[1:]}"
         for d in by_status["not_met"]
     ]
-    reasons += [f"- {d.id}: **not measurable**; {d.limit}" for d in by_status["not_measurable"]]
+    for status, words in (("not_measurable", "not measurable"), ("out_of_scope", "out of scope")):
+        reasons += [f"- {d.id}, {d.indication.text}: **{words}**; {d.limit}" for d in by_status[status]]
+    reasons += [f"- {d.id}, {d.indication.text}: nothing is demanded" for d in plan.without_tolerance]
     return table_row(cells), [*reasons, *(f"- note: {note}" for note in inspection.part.notes)]
 
 

@@ -171,7 +171,7 @@ def test_the_mesh_is_watertight_and_encloses_the_volume(part):
     exact = SIZE.prod() - math.pi * RADIUS**2 * SIZE[2]
     wall = 2 * math.pi * RADIUS * SIZE[2]
     assert 0 < volume(part) - exact < 0.02 * wall  # chords of a hole lie in the hole
-    assert part.notes == ("The file has no semantic PMI dimensions: geometry only.",)
+    assert part.notes == ("The file has no semantic PMI: geometry only.",)
 
 
 def test_the_chord_error_follows_the_size(tmp_path):
@@ -332,14 +332,14 @@ def test_too_little_memory_is_an_error_and_no_crash(tmp_path):
         read_step(path, memory_bytes=300 * 2**20)
 
 
-# PLUS_MINUS_TOLERANCE and dimensions of each file as counted by the data's README; PMI records with a tolerance: those,
-# and in case 1 two diameters with limits instead ("upper limit", "lower limit").
+# PLUS_MINUS_TOLERANCE and dimensions of each file as counted by the data's README; dimensions with a tolerance: those,
+# and in case 1 two diameters with limits instead ("upper limit", "lower limit"); geometric tolerances.
 CASES = {
-    1: (6, {"distance": 2, "diameter": 9, "angle": 1}, 8, "mm"),
-    2: (7, {"diameter": 7}, 7, "mm"),
-    3: (8, {"distance": 1, "diameter": 8, "length": 1}, 8, "mm, dimensions in inch"),
-    4: (7, {"distance": 3, "diameter": 6, "angle": 1}, 7, "mm"),
-    5: (2, {"distance": 5, "diameter": 1}, 2, "inch"),
+    1: (6, {"distance": 2, "diameter": 9, "angle": 1}, 8, 6, "mm"),
+    2: (7, {"diameter": 7}, 7, 22, "mm"),
+    3: (8, {"distance": 1, "diameter": 8, "length": 1}, 8, 13, "mm, dimensions in inch"),
+    4: (7, {"distance": 3, "diameter": 6, "angle": 1}, 7, 7, "mm"),
+    5: (2, {"distance": 5, "diameter": 1}, 2, 10, "inch"),
 }
 
 
@@ -351,12 +351,22 @@ def case(request) -> tuple[int, Path, Brep]:
     return request.param, found[0], read_step(found[0])
 
 
+def dimensions_of(brep: Brep):
+    """The PMI records that are no geometric tolerances."""
+    return [pmi_record for pmi_record in brep.pmi_records if pmi_record.indication.zone_mm is None]
+
+
 def test_nist_characteristics_are_complete(case):
     number, _, brep = case
-    plus_minus, kinds, toleranced, unit = CASES[number]
+    plus_minus, kinds, toleranced, geometric, unit = CASES[number]
     assert brep.plus_minus_count == plus_minus
-    assert Counter(pmi_record.kind for pmi_record in brep.pmi_records) == kinds
-    assert sum(pmi_record.tolerance_mm is not None for pmi_record in brep.pmi_records) == toleranced
+    dimensions = dimensions_of(brep)
+    assert Counter(pmi_record.kind for pmi_record in dimensions) == kinds
+    assert sum(pmi_record.tolerance_mm is not None for pmi_record in dimensions) == toleranced
+    assert len(brep.pmi_records) - len(dimensions) == geometric
+    assert Counter(r.kind for r in brep.pmi_records if r.indication.toleranced) == brep.pmi_counts
+    assert sum(brep.pmi_counts.values()) == toleranced + geometric
+    assert not brep.findings
     assert brep.length_unit == unit
     assert any("by limits" in note for note in brep.notes) == (toleranced > plus_minus)
     assert len({pmi_record.name for pmi_record in brep.pmi_records}) == len(brep.pmi_records)
@@ -399,7 +409,7 @@ def test_nist_problems_are_said(case):
     for pmi_record in brep.pmi_records:
         understood = bool(pmi_record.first) and (pmi_record.kind != "distance" or bool(pmi_record.second))
         assert (understood and not math.isnan(pmi_record.nominal_mm)) or pmi_record.problem
-    assert sum(bool(pmi_record.problem) for pmi_record in brep.pmi_records) == {1: 4, 2: 0, 3: 1, 4: 2, 5: 4}[number]
+    assert sum(bool(pmi_record.problem) for pmi_record in dimensions_of(brep)) == {1: 4, 2: 0, 3: 1, 4: 2, 5: 4}[number]
 
 
 def test_nist_values_agree_with_the_kernels_own_reading(case):

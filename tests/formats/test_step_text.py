@@ -6,7 +6,7 @@ import string
 import numpy as np
 import pytest
 
-from viewgauge.formats.step.pmi import DimensionReader, to_pmi_records
+from viewgauge.formats.step.pmi import DimensionReader, pmi_notes, to_pmi_records
 from viewgauge.formats.step.step_text import Enumeration, Record, Ref, StepText, decode_string, not_a_number
 from viewgauge.formats.step.step_units import Units
 from viewgauge.part.brep import Edge, Face, Reference
@@ -147,8 +147,8 @@ def test_a_basic_characteristic_has_no_tolerance():
 
 def test_what_cannot_be_read_is_named():
     assert read(items="")[0].pmi_record.problem == "the file gives no value"
-    fit = "#40=PLUS_MINUS_TOLERANCE(#41,#30);#41=LIMITS_AND_FITS('H','hole','7','');"
-    assert "tolerance class (H hole 7)" in read(more=fit)[0].pmi_record.problem
+    fit = "#40=PLUS_MINUS_TOLERANCE(#41,#30);#41=LIMITS_AND_FITS('Q','hole','7','');"
+    assert "tolerance class Q7" in read(more=fit)[0].pmi_record.problem
     assert "no readable limits" in read(more="#40=PLUS_MINUS_TOLERANCE(#41,#30);")[0].pmi_record.problem
     assert "curved distance" in read("DIMENSIONAL_LOCATION('curved distance','',#10,#11)")[0].pmi_record.problem
     lost = read("DIMENSIONAL_SIZE(#99,'diameter')")[0]
@@ -213,10 +213,12 @@ def test_notes_explain_the_counts():
         + "#44=PLUS_MINUS_TOLERANCE(#41,#30);#45=PLUS_MINUS_TOLERANCE(#41,#99);"
     )  # fmt: skip
     dimension, reader = read(more=more)
-    notes = " ".join(reader.notes([dimension.pmi_record]))
+    notes = " ".join(pmi_notes(reader.text, [dimension.pmi_record]))
     assert "1 PLUS_MINUS_TOLERANCE entities belong to no dimension" in notes
     assert "1 PLUS_MINUS_TOLERANCE entities repeat" in notes
-    assert DimensionReader(StepText.scan("")).notes([]) == ["The file has no semantic PMI dimensions: geometry only."]
+    assert pmi_notes(StepText.scan(""), []) == ["The file has no semantic PMI: geometry only."]
+    drawn = StepText.scan("#1=DRAUGHTING_CALLOUT('E1',());#2=TESSELLATED_ANNOTATION_OCCURRENCE('',(),#3);")
+    assert pmi_notes(drawn, [])[0].startswith("The file has graphical PMI (2 annotations")
 
 
 FACES = tuple(Face(kind, np.zeros(3), np.zeros(3), math.nan, False, ()) for kind in ("plane", "cylinder"))
@@ -253,5 +255,5 @@ def test_a_curve_length_is_a_length_where_the_curve_is_straight():
     dimension, _ = read("DIMENSIONAL_SIZE(#11,'curve length')")
     assert pmi_record(dimension, {21: [Reference("edge", 0)]}).kind == "length"
     bent = pmi_record(dimension, {21: [Reference("edge", 1)]})
-    assert bent.kind == "other"
+    assert bent.kind == "length"
     assert "curve length" in bent.problem

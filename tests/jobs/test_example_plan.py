@@ -203,18 +203,20 @@ def test_two_processes_write_the_same_bytes_with_the_same_seed(tmp_path, monkeyp
 # --- what an inspection file can change -----------------------------------------------------------------------------
 
 
-def test_a_fraction_of_the_tolerance_leaves_the_basic_value_unmeasured_with_its_reason(tmp_path):
+def test_a_fraction_of_the_tolerance_demands_nothing_of_the_basic_value(tmp_path):
     path = written(tmp_path, requirement="{fraction_of_tolerance: 50 %, probability: 0.9}", candidates=FEW)
     inspection = vg.load(path)
     plan = vg.plan(inspection)
-    (basic,) = [d for d in plan.characteristics if d.id == "E12"]
-    assert basic.status == "not_measurable"
+    assert "E12" not in {d.id for d in plan.characteristics}
+    (basic,) = plan.without_tolerance
+    assert basic.id == "E12"
     assert "basic value" in basic.limit
     assert basic.viewpoint is None
-    assert not plan.all_met
+    assert plan.all_met == all(d.status == "met" for d in plan.characteristics)
     checked = vg.check(inspection)
-    assert [entry["id"] for entry in checked["not_measurable"]] == ["E12"]
-    assert [entry["status"] for entry in checked["characteristics"]].count("measurable") == 14
+    assert [entry["id"] for entry in checked["without_tolerance"]] == ["E12"]
+    assert not checked["not_measurable"]
+    assert [entry["status"] for entry in checked["characteristics"]] == ["measurable"] * 14
     allowed = {entry["id"]: entry["allowed_error_mm"] for entry in checked["characteristics"]}
     assert allowed["E2"] == pytest.approx(0.05)
     assert allowed["E4"] == pytest.approx(0.0375), "half the width of -0.05 ... +0.1, halved"

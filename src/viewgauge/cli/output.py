@@ -8,7 +8,8 @@ from typing import Any
 
 __all__ = ["certainty", "print_check", "print_error", "print_json", "print_plan", "print_table_summary"]
 
-_STATUSES = ("not_met", "not_measurable", "met")
+_STATUSES = ("not_met", "partial", "not_measurable", "out_of_scope", "met")
+_OPEN = {"partial": "partial", "not_measurable": "not measurable", "out_of_scope": "out of scope"}
 
 
 def print_json(document: Any) -> None:
@@ -49,8 +50,11 @@ def print_plan(document: dict[str, Any], folder: str) -> None:
             alone = certainty(characteristic["single_probability"])
             mean = certainty(characteristic["probability"])
             print(f"  averaged        {characteristic['id']}: {mean} from {names}; alone {alone}")
-    for characteristic in by_status["not_measurable"]:
-        print(f"  not measurable  {characteristic['id']}: {characteristic['limit']}")
+    for status, words in _OPEN.items():
+        for characteristic in by_status[status]:
+            print(f"  {words:<15} {characteristic['id']}: {_on_drawing(characteristic)}{characteristic['limit']}")
+    for entry in document["without_tolerance"]:
+        print(f"  {'no tolerance':<15} {entry['id']}: {entry['text']}; nothing is demanded of it")
     for characteristic in document["characteristics"]:
         if characteristic["warning"]:
             reported = "confirmed" if characteristic["status"] == "met" else "not confirmed"
@@ -111,7 +115,7 @@ def print_table_summary(
         if row["validity"] and method != "monte-carlo":
             print(f"    warning: {row['validity']}; the full camera model answers with --method monte-carlo")
     for entry in refused:
-        print(f"  {entry['id']}: not measurable; {entry['reason']}")
+        print(f"  {entry['id']}: {_OPEN[entry['status']]}; {_on_drawing(entry)}{entry['reason']}")
 
 
 def print_check(document: dict[str, Any]) -> None:
@@ -134,7 +138,18 @@ def print_check(document: dict[str, Any]) -> None:
     if refused:
         print(f"{len(refused)} cannot be measured:")
     for d in refused:
-        print(f"  {d['id']}: {d['kind']}; {d['reason']}")
+        outside = " (out of scope)" if d["status"] == "out_of_scope" else ""
+        print(f"  {d['id']}: {d['text'] or d['kind']}; {d['reason']}{outside}")
+    for d in document["without_tolerance"]:
+        print(f"without a tolerance, so nothing is demanded: {d['id']}: {d['text']}")
+    if document["counts"]:
+        kinds = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in document["counts"].items())
+        print(f"toleranced records in the part's file, counted apart: {sum(document['counts'].values())} ({kinds})")
+
+
+def _on_drawing(entry: dict[str, Any]) -> str:
+    """How a characteristic stands on the drawing, before its reason."""
+    return f"{entry['text']}; " if entry["text"] else ""
 
 
 def certainty(probability: float) -> str:

@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 from ..evaluation import Requirement
+from ..formats.plan.indication_document import indication_document
 from ..part import Characteristic, NotMeasurable
-from ..planning import without_allowed_error
+from ..planning import sort_characteristics
 from ..planning.inspection import Inspection
 
 __all__ = ["check"]
@@ -16,12 +17,15 @@ __all__ = ["check"]
 def check(inspection: Inspection) -> dict[str, Any]:
     """What an inspection holds, as plain data: the part, and its characteristics with their status.
 
-    ``characteristics`` has an entry for every characteristic, with ``status`` (``measurable`` or ``not_measurable``)
-    and ``reason``; ``not_measurable`` has those of the latter alone.
+    ``characteristics`` has an entry for every characteristic, with ``status`` (``measurable``, ``partial``,
+    ``not_measurable`` or ``out_of_scope``) and ``reason``; ``not_measurable`` has those that are not measurable alone.
+    ``without_tolerance`` has the basic and reference dimensions that the requirement cannot judge: nothing is demanded
+    of them. ``counts`` has the number of toleranced records of the part's file by kind, counted in its text apart from
+    the reader.
     """
-    judged, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    found = sort_characteristics(inspection.part, inspection.requirement)
     low, high = inspection.part.mesh.bounds
-    not_measurable = [_not_measurable(entry) for entry in (*inspection.part.not_measurable, *refused)]
+    not_measurable = [_not_measurable(entry) for entry in found.not_measurable]
     return {
         "part": {
             "name": inspection.part.name,
@@ -32,10 +36,12 @@ def check(inspection: Inspection) -> dict[str, Any]:
             "notes": list(inspection.part.notes),
         },
         "characteristics": [
-            *(_measurable(characteristic, inspection.requirement) for characteristic in judged),
+            *(_measurable(characteristic, inspection.requirement) for characteristic in found.judged),
             *not_measurable,
         ],
         "not_measurable": not_measurable,
+        "without_tolerance": [_not_measurable(entry) for entry in found.without_tolerance],
+        "counts": dict(inspection.part.pmi_counts),
         "inputs": dict(inspection.inputs),
     }
 
@@ -47,6 +53,7 @@ def _measurable(characteristic: Characteristic, requirement: Requirement) -> dic
         "kind": characteristic.kind,
         "nominal_mm": nominal,
         "tolerance_mm": list(tolerance) if tolerance else None,
+        **indication_document(characteristic.kind, nominal, tolerance, characteristic.indication),
         "allowed_error_mm": requirement.allowed_error_mm(nominal, tolerance),
         "measurands": len(characteristic.measurands),
         "status": "measurable",
@@ -55,15 +62,16 @@ def _measurable(characteristic: Characteristic, requirement: Requirement) -> dic
 
 
 def _not_measurable(entry: NotMeasurable) -> dict[str, Any]:
-    """Values are mm, and so none for an angle."""
+    """``nominal_mm`` and ``tolerance_mm`` are mm, and so none for an angle."""
     length = entry.kind != "angle"
     return {
         "id": entry.id,
         "kind": entry.kind,
         "nominal_mm": entry.nominal_mm if length and math.isfinite(entry.nominal_mm) else None,
         "tolerance_mm": list(entry.tolerance_mm) if length and entry.tolerance_mm else None,
+        **indication_document(entry.kind, entry.nominal_mm, entry.tolerance_mm, entry.indication),
         "allowed_error_mm": None,
         "measurands": 0,
-        "status": "not_measurable",
+        "status": entry.status.value,
         "reason": entry.reason,
     }

@@ -99,11 +99,12 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
         if not entry.is_override:
             if entry.id in characteristics or entry.id in not_measurable:
                 notes.append(f"characteristic {entry.id}: the inspection file's two points replace the part's PMI")
-                not_measurable.pop(entry.id, None)
-            characteristics[entry.id] = _own_characteristic(entry, part, file)
-        elif entry.id in characteristics:
-            characteristics[entry.id] = _changed(characteristics[entry.id], entry)
-        elif entry.id not in not_measurable:
+            replaced = characteristics.get(entry.id) or not_measurable.pop(entry.id, None)
+            own = _own_characteristic(entry, part, file)
+            characteristics[entry.id] = own if replaced is None else replace(own, indication=replaced.indication)
+        elif changed := [name for name in characteristics if name == entry.id or name.startswith(f"{entry.id}/")]:
+            characteristics |= {name: _changed(characteristics[name], entry) for name in changed}
+        elif not any(name == entry.id or name.startswith(f"{entry.id}/") for name in not_measurable):
             raise InspectionFileError(
                 f"characteristic {entry.id!r} is not in the part's PMI",
                 file=file.path,
@@ -115,12 +116,13 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
     if file.general_tolerance_mm is not None:
         for name, characteristic in characteristics.items():
             if characteristic.tolerance_mm is None:
-                characteristics[name] = replace(characteristic, tolerance_mm=file.general_tolerance_mm)
+                characteristics[name] = _with_tolerance(characteristic, file.general_tolerance_mm)
     if not characteristics and not not_measurable:
         raise InspectionFileError(
             "there is no characteristic to measure: the part brings none, and the file gives none",
             file=file.path,
             key="part.characteristics",
+            got=" ".join(part.notes) or None,
             hint="add characteristics with an id and two points to part.characteristics",
         )
     return replace(
@@ -154,11 +156,13 @@ def _own_characteristic(entry: CharacteristicEntry, part: Part, file: Inspection
 
 
 def _changed(characteristic: Characteristic, entry: CharacteristicEntry) -> Characteristic:
-    return replace(
-        characteristic,
-        tolerance_mm=entry.tolerance_mm or characteristic.tolerance_mm,
-        observed=entry.observed or characteristic.observed,
-    )
+    changed = replace(characteristic, observed=entry.observed or characteristic.observed)
+    return changed if entry.tolerance_mm is None else _with_tolerance(changed, entry.tolerance_mm)
+
+
+def _with_tolerance(characteristic: Characteristic, tolerance_mm: tuple[float, float]) -> Characteristic:
+    indication = replace(characteristic.indication, toleranced=True)
+    return replace(characteristic, tolerance_mm=tolerance_mm, indication=indication)
 
 
 def _known(characteristics: dict[str, Characteristic], not_measurable: dict[str, NotMeasurable]) -> str:

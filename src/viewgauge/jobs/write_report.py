@@ -48,7 +48,7 @@ def plan_details(plan: Plan, inspection: Inspection) -> PlanDetails:
 
 def _views(plan: Plan, inspection: Inspection) -> tuple[ViewpointView, ...]:
     """Of as many viewpoints as a report shows; the characteristics are those that can be measured at all."""
-    measurable = {planned.id for planned in plan.characteristics if planned.status != "not_measurable"}
+    measurable = {planned.id for planned in plan.characteristics if planned.status.is_judged}
     characteristics = tuple(
         characteristic for characteristic in inspection.part.characteristics if characteristic.id in measurable
     )

@@ -5,12 +5,15 @@ Nothing here knows a CAD kernel. Lengths are mm whatever the file's unit was; co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..findings import Finding
+from .indication import Indication, Measurability
 from .mesh import Mesh
 
 __all__ = ["Brep", "Edge", "Face", "PmiKind", "PmiRecord", "Reference"]
@@ -35,6 +38,8 @@ class Face:
         Of a curved face: the material is outside (a hole, not a boss).
     edges
         Indices of the bounding edges.
+    instance
+        Which instance of its part in an assembly it belongs to: faces of one instance have one number.
     """
 
     kind: Literal["plane", "cylinder", "cone", "sphere", "torus", "other"]
@@ -43,6 +48,7 @@ class Face:
     radius_mm: float
     concave: bool
     edges: tuple[int, ...]
+    instance: int = 0
 
 
 @dataclass(frozen=True)
@@ -68,6 +74,8 @@ class Edge:
         The edge closes one periodic face onto itself and shows no feature.
     smooth
         The adjoining faces meet tangentially: no visible crease.
+    instance
+        As of a :class:`Face`.
     """
 
     kind: Literal["line", "circle", "other"]
@@ -80,6 +88,7 @@ class Edge:
     closed: bool
     seam: bool = False
     smooth: bool = False
+    instance: int = 0
 
 
 @dataclass(frozen=True)
@@ -101,7 +110,7 @@ class PmiRecord:
     kind
         "distance" between two sets of features (DIMENSIONAL_LOCATION), "length" of one feature or between
         the opposite features of one (DIMENSIONAL_SIZE that is no diameter), "diameter", "radius", "angle",
-        "other", or another kind for which a deriver is registered.
+        "other", a kind of geometric tolerance, or another kind for which a deriver is registered.
     label
         The file's own word for the characteristic (for messages), such as "linear distance" or "diameter".
     nominal_mm
@@ -111,7 +120,11 @@ class PmiRecord:
     first, second
         What is referred to; ``second`` is empty for sizes.
     problem
-        Why the reader could not understand the PMI record; empty where it did.
+        Why it cannot be measured, as far as the reader knows; empty where it may be.
+    status
+        What it is where there is a problem.
+    indication
+        How it stands on the drawing.
     """
 
     name: str
@@ -122,6 +135,8 @@ class PmiRecord:
     first: tuple[Reference, ...]
     second: tuple[Reference, ...] = ()
     problem: str = ""
+    status: Measurability = Measurability.NOT_MEASURABLE
+    indication: Indication = Indication()
 
     @property
     def unit(self) -> str:
@@ -141,6 +156,10 @@ class Brep:
         What the user should know about the reading, one sentence each (such as "no semantic PMI: geometry only").
     plus_minus_count
         Number of PLUS_MINUS_TOLERANCE entities in the file, with which the reading can be compared.
+    pmi_counts
+        Number of toleranced records in the file's text by kind, counted apart from the reading.
+    findings
+        What is implausible in the file.
     """
 
     name: str
@@ -151,3 +170,5 @@ class Brep:
     pmi_records: tuple[PmiRecord, ...]
     plus_minus_count: int = 0
     notes: tuple[str, ...] = ()
+    pmi_counts: Mapping[str, int] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .indication import Indication, Measurability
 from .measurands import PointPair
 
 __all__ = ["Characteristic", "NotMeasurable", "Observed"]
@@ -34,6 +35,8 @@ class Characteristic:
         At least one. Visibility and error laws take pairs of points.
     observed
         Whether the two ends or the whole segment between them must be seen.
+    indication
+        How it stands on the drawing; of a characteristic from no drawing an empty one.
     """
 
     id: str
@@ -42,6 +45,7 @@ class Characteristic:
     tolerance_mm: tuple[float, float] | None
     measurands: tuple[PointPair, ...]
     observed: Observed = "ends"
+    indication: Indication = Indication()
 
     @property
     def unit(self) -> str:
@@ -70,6 +74,10 @@ class NotMeasurable:
         As of a :class:`Characteristic`, but rad where ``unit`` says so.
     unit
         "mm" or "rad".
+    status
+        Not measurable, only partly, or out of scope.
+    indication
+        As of a :class:`Characteristic`.
     """
 
     id: str
@@ -78,3 +86,5 @@ class NotMeasurable:
     nominal_mm: float = float("nan")
     tolerance_mm: tuple[float, float] | None = None
     unit: str = "mm"
+    status: Measurability = Measurability.NOT_MEASURABLE
+    indication: Indication = Indication()

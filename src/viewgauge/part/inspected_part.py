@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..findings import Finding
 from .characteristic import Characteristic, NotMeasurable
 from .mesh import Mesh
 
@@ -33,6 +35,10 @@ class Part:
         Unit of the part's file (everything here is mm already).
     feature_lines
         Polylines ``(n, 3)`` mm of the part's visible edges, for pictures.
+    pmi_counts
+        Number of toleranced records in the part's file by kind, counted in its text apart from the reader.
+    findings
+        What is implausible in the part's file.
     """
 
     name: str
@@ -42,3 +48,5 @@ class Part:
     notes: tuple[str, ...] = ()
     length_unit: str = "mm"
     feature_lines: tuple[NDArray[np.float64], ...] = field(default=())
+    pmi_counts: Mapping[str, int] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()

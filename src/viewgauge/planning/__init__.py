@@ -7,7 +7,6 @@ from .compose import (
     choose_viewpoints,
     compose_plan,
     planned_not_measurable,
-    without_allowed_error,
 )
 from .cover.dominance import Undominated, probability_levels
 from .cover.minimum_cover import Cover, minimum_cover, most_probable_minimum_cover
@@ -15,6 +14,7 @@ from .cover.viewpoint_pool import ViewpointPool
 from .findings import Averaged, ChosenViewpoints, NotMetFindings, PlanRecord
 from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Status
 from .refine.refinement import Refinement, RefinementStep, Refiner
+from .sort_characteristics import SortedCharacteristics, sort_characteristics, toleranced, without_allowed_error
 
 __all__ = [
     "Acquisition",
@@ -31,6 +31,7 @@ __all__ = [
     "Refinement",
     "RefinementStep",
     "Refiner",
+    "SortedCharacteristics",
     "Status",
     "Undominated",
     "ViewpointPool",
@@ -42,6 +43,8 @@ __all__ = [
     "most_probable_minimum_cover",
     "planned_not_measurable",
     "probability_levels",
+    "sort_characteristics",
     "spread_directions",
+    "toleranced",
     "without_allowed_error",
 ]

@@ -15,36 +15,14 @@ from .cover.dominance import Undominated
 from .cover.minimum_cover import DEFAULT_TIME_LIMIT_S, Cover, most_probable_minimum_cover
 from .findings import Averaged, ChosenViewpoints, NotMetFindings, PlanRecord
 from .plan import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Status
+from .sort_characteristics import toleranced, without_tolerance
 
 __all__ = [
     "assigned_viewpoint",
     "choose_viewpoints",
     "compose_plan",
     "planned_not_measurable",
-    "without_allowed_error",
 ]
-
-
-def without_allowed_error(
-    characteristics: Sequence[Characteristic], requirement: Requirement
-) -> tuple[tuple[Characteristic, ...], tuple[NotMeasurable, ...]]:
-    """Split characteristics into those that the requirement can judge and those that it cannot, with the reason."""
-    judged, refused = [], []
-    for characteristic in characteristics:
-        reason = requirement.cannot_judge(characteristic.tolerance_mm)
-        if reason is None:
-            judged.append(characteristic)
-        else:
-            refused.append(
-                NotMeasurable(
-                    characteristic.id,
-                    characteristic.kind,
-                    reason,
-                    characteristic.nominal_mm,
-                    characteristic.tolerance_mm,
-                )
-            )
-    return tuple(judged), tuple(refused)
 
 
 def choose_viewpoints(kept: Undominated, time_limit_s: float = DEFAULT_TIME_LIMIT_S, gap: float = 0.0) -> Cover:
@@ -89,7 +67,7 @@ def compose_plan(
     characteristics
         All d of them; each is met by a chosen viewpoint, or has an entry in ``findings.best``.
     not_measurable
-        What cannot be measured, for the record.
+        What cannot be measured, and what demands nothing, for the record.
     """
     chosen, place = chosen.toured()
     viewpoint = assigned_viewpoint(chosen.table, requirement.probability)
@@ -121,7 +99,8 @@ def compose_plan(
     return Plan(
         seed=record.seed,
         viewpoints=tuple(PlannedViewpoint(name, T, tuple(seen)) for name, T, seen in viewpoints),
-        characteristics=(*planned, *planned_not_measurable(not_measurable)),
+        characteristics=(*planned, *planned_not_measurable(toleranced(not_measurable))),
+        without_tolerance=tuple(planned_not_measurable(without_tolerance(not_measurable))),
         lower_bound=record.lower_bound,
         candidate_count=record.candidate_count,
         refinement=record.refinement,
@@ -168,6 +147,7 @@ def _planned(
         measurand=np.stack([measurand.start, measurand.end]) if measurand else None,
         limit=limit,
         warning=("", *WARNINGS)[int(row.validity[j])] if seen else "",
+        indication=characteristic.indication,
     )
 
 
@@ -180,12 +160,13 @@ def planned_not_measurable(not_measurable: Sequence[NotMeasurable]) -> list[Plan
             nominal_mm=entry.nominal_mm,
             tolerance_mm=entry.tolerance_mm,
             allowed_error_mm=float("nan"),
-            status=Status.NOT_MEASURABLE,
+            status=Status(entry.status),
             probability=0.0,
             expected_accuracy=0.0,
             viewpoint=None,
             measurand=None,
             limit=entry.reason,
+            indication=entry.indication,
         )
         for entry in not_measurable
     ]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing import Drawable
+from ..part.indication import Indication
 from .bounds import Certificate, ViewpointsBound
 from .refine.refinement import Refinement
 
@@ -23,7 +24,16 @@ class Status(StrEnum):
     NOT_MET = "not_met"
     """No viewpoint that was tried reaches the required probability."""
     NOT_MEASURABLE = "not_measurable"
-    """No measurand could be made, or it has no tolerance where the requirement needs one."""
+    """No measurand could be made, or the requirement cannot judge it."""
+    PARTIAL = "partial"
+    """Only some of what it demands is met."""
+    OUT_OF_SCOPE = "out_of_scope"
+    """Nothing that a camera sees at edges can measure it."""
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether viewpoints were tried for it."""
+        return self in (Status.MET, Status.NOT_MET, Status.PARTIAL)
 
 
 @dataclass(frozen=True)
@@ -78,6 +88,8 @@ class PlannedCharacteristic:
         What is proven of a characteristic that is not met, over all poses of the region; None where nothing was tried.
     proof
         The same in a sentence, or that it was only not found; empty unless not met.
+    indication
+        How it stands on the drawing.
     """
 
     id: str
@@ -97,6 +109,7 @@ class PlannedCharacteristic:
     single_probability: float | None = None
     certificate: Certificate | None = None
     proof: str = ""
+    indication: Indication = Indication()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", Status(self.status))  # a plan that is read has the plain value
@@ -118,6 +131,8 @@ class Plan(Drawable):
         was not asked.
     interrupted
         A step was interrupted: the plan is the best so far.
+    without_tolerance
+        Basic and reference dimensions of the drawing, which demand nothing and are not planned.
     """
 
     seed: int
@@ -128,6 +143,7 @@ class Plan(Drawable):
     refinement: Refinement | None = None
     anywhere: ViewpointsBound | None = None
     interrupted: bool = False
+    without_tolerance: tuple[PlannedCharacteristic, ...] = ()
 
     @property
     def count(self) -> int:
@@ -151,5 +167,5 @@ class Plan(Drawable):
 
     @property
     def all_met(self) -> bool:
-        """Every characteristic is met."""
-        return all(characteristic.status == Status.MET for characteristic in self.characteristics)
+        """There are characteristics, and every one is met."""
+        return bool(self.characteristics) and all(characteristic.status == Status.MET for characteristic in self.characteristics)

@@ -136,7 +136,7 @@ def _described_plan(plan: Plan) -> str:
             d.id,
             f"{length(d.nominal_mm)} mm" if d.kind != "angle" else DASH,
             ("" if d.status == "met" else "✗ ") + STATUS_WORDS[d.status],
-            DASH if d.status == "not_measurable" else probability(d.probability),
+            probability(d.probability) if d.status.is_judged else DASH,
             ", ".join(acquisition.viewpoint for acquisition in d.acquisitions) or d.viewpoint or DASH,
         )
         for d in ranked(plan)

@@ -63,6 +63,8 @@ class Requirement:
         """Why the requirement says nothing about a characteristic; None where it does."""
         if self.kind == "fraction_of_tolerance" and tolerance_mm is None:
             return "it has no tolerance (a basic value), and the requirement is a fraction of the tolerance"
+        if self.kind == "fraction_of_tolerance" and tolerance_mm is not None and tolerance_mm[0] == tolerance_mm[1]:
+            return "its tolerance zone has no width"
         return None
 
     @property

@@ -20,6 +20,7 @@ from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
 from ..poses.viewpoints_file import write_viewpoints
+from .indication_document import indication_document
 
 __all__ = ["plan_document", "write_plan_files"]
 
@@ -50,6 +51,7 @@ def plan_document(
             for s in plan.viewpoints
         ],
         "characteristics": characteristics,
+        "without_tolerance": [_characteristic_document(entry) for entry in plan.without_tolerance],
         "count": plan.count,
         "lower_bound": plan.lower_bound,
         "gap": plan.gap,
@@ -106,6 +108,9 @@ def _characteristic_document(characteristic: PlannedCharacteristic) -> dict[str,
         "kind": characteristic.kind,
         "nominal_mm": _number(characteristic.nominal_mm) if is_length else None,
         "tolerance_mm": list(characteristic.tolerance_mm) if characteristic.tolerance_mm and is_length else None,
+        **indication_document(
+            characteristic.kind, characteristic.nominal_mm, characteristic.tolerance_mm, characteristic.indication
+        ),
         "allowed_error_mm": _number(characteristic.allowed_error_mm),
         "status": characteristic.status,
         "probability": characteristic.probability,

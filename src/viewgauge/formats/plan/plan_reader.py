@@ -17,6 +17,7 @@ from ...exceptions import InputError
 from ...planning import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoint, Refinement, RefinementStep
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.text import read_text
+from .indication_document import read_indication
 
 __all__ = ["PlannedMeasurement", "read_plan", "read_whole_plan"]
 
@@ -131,6 +132,7 @@ def _plan(document: dict[str, Any]) -> Plan:
         # how many cells were looked into is not in the file
         anywhere=None if anywhere is None else ViewpointsBound(anywhere["lower_bound"], tuple(anywhere["apart"]), 0),
         interrupted=bool(document["interrupted"]),
+        without_tolerance=tuple(_characteristic(entry) for entry in document["without_tolerance"]),
     )
 
 
@@ -163,4 +165,5 @@ def _characteristic(entry: dict[str, Any]) -> PlannedCharacteristic:
         single_probability=entry["single_probability"],
         certificate=None if certificate is None else Certificate(entry["id"], **certificate),
         proof=entry["proof"],
+        indication=read_indication(entry),
     )

@@ -7,6 +7,7 @@ writer, so a reader that was led astray by a malicious file cannot lead the prog
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -14,7 +15,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ...findings import Finding
 from ...part.brep import Brep, Edge, Face, PmiRecord, Reference
+from ...part.indication import Measurability, indication_from
 from ...part.mesh import Mesh
 
 __all__ = ["load_brep", "save_brep"]
@@ -43,8 +46,13 @@ def save_brep(brep: Brep, folder: Path) -> None:
         "chord_error_mm": brep.mesh.chord_error_mm,
         "plus_minus_count": brep.plus_minus_count,
         "notes": brep.notes,
-        "faces": [[face.kind, face.radius_mm, face.concave, face.edges] for face in faces],
-        "edges": [[edge.kind, edge.faces, edge.radius_mm, edge.closed, edge.seam, edge.smooth] for edge in edges],
+        "pmi_counts": dict(brep.pmi_counts),
+        "findings": [asdict(finding) for finding in brep.findings],
+        "faces": [[face.kind, face.radius_mm, face.concave, face.edges, face.instance] for face in faces],
+        "edges": [
+            [edge.kind, edge.faces, edge.radius_mm, edge.closed, edge.seam, edge.smooth, edge.instance]
+            for edge in edges
+        ],
         "pmi_records": [_archived_record(pmi_record) for pmi_record in brep.pmi_records],
     }
     (folder / "brep.json").write_text(json.dumps(record), encoding="utf-8")
@@ -62,8 +70,8 @@ def load_brep(folder: Path) -> Brep:
     with np.load(folder / "brep.npz", allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
     faces = tuple(
-        Face(kind, origin, axis, radius, concave, tuple(edges))
-        for (kind, radius, concave, edges), origin, axis in zip(
+        Face(kind, origin, axis, radius, concave, tuple(edges), instance)
+        for (kind, radius, concave, edges, instance), origin, axis in zip(
             record["faces"], arrays["face_origin"], arrays["face_axis"], strict=True
         )
     )
@@ -76,22 +84,23 @@ def load_brep(folder: Path) -> Brep:
         pmi_records=tuple(_pmi_record(entry) for entry in record["pmi_records"]),
         plus_minus_count=record["plus_minus_count"],
         notes=tuple(record["notes"]),
+        pmi_counts=record["pmi_counts"],
+        findings=tuple(Finding(**finding) for finding in record["findings"]),
     )
 
 
 def _edges(records: list[Any], arrays: dict[str, NDArray[Any]]) -> tuple[Edge, ...]:
     edges, used = [], 0
     spans = pairwise(arrays["edge_offsets"].tolist())
-    for (kind, faces, radius, closed, seam, smooth), (start, stop), centre, axis in zip(
+    for (kind, faces, radius, closed, seam, smooth, instance), (start, stop), centre, axis in zip(
         records, spans, arrays["edge_centre"], arrays["edge_axis"], strict=True
     ):
         count = len(faces) * (stop - start)
         normals = arrays["edge_normals"][used : used + count].reshape(len(faces), stop - start, 3)
         used += count
         points = arrays["edge_points"][start:stop]
-        edges.append(
-            Edge(kind, points, tuple(faces), np.swapaxes(normals, 0, 1), centre, axis, radius, closed, seam, smooth)
-        )
+        flags = closed, seam, smooth, instance
+        edges.append(Edge(kind, points, tuple(faces), np.swapaxes(normals, 0, 1), centre, axis, radius, *flags))
     return tuple(edges)
 
 
@@ -99,12 +108,13 @@ def _archived_record(pmi_record: PmiRecord) -> list[object]:
     first, second = ([[r.kind, r.index] for r in side] for side in (pmi_record.first, pmi_record.second))
     return [
         *(pmi_record.name, pmi_record.kind, pmi_record.label, pmi_record.nominal_mm, pmi_record.tolerance_mm),
-        *(first, second, pmi_record.problem),
+        *(first, second, pmi_record.problem, pmi_record.status, asdict(pmi_record.indication)),
     ]
 
 
 def _pmi_record(entry: list[Any]) -> PmiRecord:
-    name, kind, label, nominal, tolerance, first, second, problem = entry
+    name, kind, label, nominal, tolerance, first, second, problem, status, indication = entry
     first, second = (tuple(Reference(what, index) for what, index in side) for side in (first, second))
     tolerance = None if tolerance is None else tuple(tolerance)
-    return PmiRecord(name, kind, label, nominal, tolerance, first, second, problem)
+    status, indication = Measurability(status), indication_from(indication)
+    return PmiRecord(name, kind, label, nominal, tolerance, first, second, problem, status, indication)

@@ -36,7 +36,7 @@ from ...part.brep import Brep, Edge, Face, Reference
 from ...part.mesh import Mesh
 from ..mesh.watertight import is_watertight
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
-from .pmi import DimensionReader, to_pmi_records
+from .pmi import count_toleranced, pmi_findings, pmi_notes, pmi_sources, to_pmi_records
 from .step_text import StepText, not_a_number
 from .step_units import Units
 from .triangle_weld import Weld, signed_volume
@@ -71,7 +71,7 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
         Largest distance of mesh and edge points from the true surface, mm; None: 2e-4 of the part's diagonal,
         from 0.01 to 0.1 mm.
     with_pmi
-        Read the dimensions too.
+        Find the faces that the PMI refers to; without it every characteristic is read and none is measurable.
 
     Raises
     ------
@@ -98,16 +98,22 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
     text = StepText.scan(source)
     units = Units(text)
     brep = Brep(_product_name(text) or path.stem, units.summary(), faces, edges, mesh, ())
-    if not with_pmi:
-        return _noted(brep, notes)
-    pmi = DimensionReader(text)
-    dimensions = pmi.dimensions()
-    wanted = {number for d in dimensions for number in (*d.first, *d.second)}
+    sources, counts = pmi_sources(text), count_toleranced(source)
+    wanted = {number for s in sources for number in (*s.first, *s.second)} if with_pmi else ()
     shapes = topology.references(reader, text, wanted) if wanted else {}
-    pmi_records = to_pmi_records(dimensions, shapes, faces, edges)
-    count = sum(len(ranges) for ranges in pmi.plus_minus.values())
-    notes += pmi.notes(pmi_records)
-    return _noted(brep, notes, pmi_records=pmi_records, plus_minus_count=count)
+    pmi_records = to_pmi_records(sources, shapes, faces, edges)
+    if not with_pmi:
+        lost = "the CAD kernel crashed when it was asked for the faces that it refers to"
+        pmi_records = tuple(r if r.indication.zone_mm is not None else replace(r, problem=lost) for r in pmi_records)
+    notes += pmi_notes(text, pmi_records)
+    return _noted(
+        brep,
+        notes,
+        pmi_records=pmi_records,
+        plus_minus_count=len(text.numbers("PLUS_MINUS_TOLERANCE")),
+        pmi_counts=counts,
+        findings=pmi_findings(pmi_records, counts, faces),
+    )
 
 
 def _noted(brep: Brep, notes: Sequence[str], **changes: Any) -> Brep:
@@ -183,6 +189,19 @@ class _Topology:
             found.append(tuple(self.edge_index[number] for number in numbers if number in self.edge_index))
         return found
 
+    @cached_property
+    def instances(self) -> list[int]:
+        """Which instance of a part in an assembly each face belongs to: faces placed alike are of one instance."""
+        places: list[Any] = []
+        found = []
+        for face in self.face_shapes:
+            place = face.Location()
+            number = next((k for k, known in enumerate(places) if known.IsEqual(place)), len(places))
+            if number == len(places):
+                places.append(place)
+            found.append(number)
+        return found
+
     def mesh(self, notes: list[str]) -> tuple[Mesh, float]:
         """The mesh, and -1 where the file's solids are inside out (the mesh is turned right), else 1."""
         weld = Weld()
@@ -248,7 +267,7 @@ class _Topology:
         if kind == "plane":
             axis = normal
         concave = kind in _ROUND and float(normal @ (point - centre)) < 0
-        return Face(kind, origin, axis, radius, concave, self.edges_of_face[index])
+        return Face(kind, origin, axis, radius, concave, self.edges_of_face[index], self.instances[index])
 
     def _normal(self, index: int, u: float, v: float, sign: float) -> tuple[Vectors, Vectors]:
         """Point and outward unit normal (zero where the surface has none) of a face."""
@@ -283,7 +302,8 @@ class _Topology:
         cosines = np.einsum("ij,ij->i", normals[:, 0], normals[:, -1])
         smooth = seam or (len(faces) == 2 and bool(np.all(cosines > _SMOOTH_COSINE)))
         closed = TopExp.FirstVertex_s(shape).IsSame(TopExp.LastVertex_s(shape))
-        return Edge(kind, points, faces, normals, centre, axis, radius, closed, seam, smooth)
+        instance = self.instances[faces[0]]
+        return Edge(kind, points, faces, normals, centre, axis, radius, closed, seam, smooth, instance)
 
     def _normals_along(self, edge: Any, face: int, parameters: Vectors, sign: float) -> Vectors:
         """Outward unit normals of a face at points of its edge, ``(n, 3)``."""

@@ -42,4 +42,6 @@ def _part(brep: Brep, path: Path) -> Part:
         notes=brep.notes,
         length_unit=brep.length_unit,
         feature_lines=brep_feature_lines(brep),
+        pmi_counts=brep.pmi_counts,
+        findings=brep.findings,
     )

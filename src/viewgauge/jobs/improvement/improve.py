@@ -14,7 +14,7 @@ from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...execution.progress import Progress, Silent
 from ...part.measurand_table import MeasurandTable
-from ...planning import Plan, default_distance_range, without_allowed_error
+from ...planning import Plan, default_distance_range, sort_characteristics, toleranced
 from ...planning.improve.improvement import Change, CharacteristicChanges, Improvement, TradeOff
 from ...planning.improve.knobs import KNOBS, MOVING, Knob, Rig, settled_knobs
 from ...planning.improve.least_change import SHORT, largest_factor, meeting
@@ -44,7 +44,8 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         If there is no candidate viewpoint.
     """
     progress = progress or Silent()
-    characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    found = sort_characteristics(inspection.part, inspection.requirement)
+    characteristics = found.judged
     if not characteristics:
         raise InputError("no characteristic can be measured; see viewgauge check", key="part")
     planned = plan(inspection, progress=progress, prove=False)
@@ -93,7 +94,7 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         part,
         trade_off,
         tuple(d.id for j, d in enumerate(characteristics) if not possible[j]),
-        (*inspection.part.not_measurable, *refused),
+        found.not_measurable,
         len(poses),
     )
 
@@ -139,7 +140,7 @@ def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | Non
         part,
         (),
         tuple(d.id for j, d in enumerate(characteristics) if not possible[j]),
-        inspection.part.not_measurable,
+        toleranced(inspection.part.not_measurable),
         len(poses),
     )
 

@@ -13,7 +13,7 @@ from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...execution.progress import Progress, Silent
 from ...part import Characteristic
 from ...part.measurand_table import MeasurandTable
-from ...planning import default_distance_range, without_allowed_error
+from ...planning import default_distance_range, sort_characteristics
 from ...planning.improve.catalogue import FOCAL_LENGTHS_MM, SENSORS, SensorFormat
 from ...planning.improve.improvement import CameraChoice, Specification
 from ...planning.improve.knobs import KNOBS, Rig
@@ -46,7 +46,8 @@ def specify(
         If there is no characteristic to measure, or viewpoints are given one by one.
     """
     progress = progress or Silent()
-    characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    found = sort_characteristics(inspection.part, inspection.requirement)
+    characteristics = found.judged
     if not characteristics:
         raise InputError("no characteristic can be measured; see viewgauge check", key="part")
     if inspection.viewpoints is not None:
@@ -68,7 +69,7 @@ def specify(
                 advance(1)
     if not choices:
         raise NoCandidateError("no candidate viewpoint is left with any camera; see candidates")
-    return Specification(tuple(choices), len(characteristics), (*inspection.part.not_measurable, *refused))
+    return Specification(tuple(choices), len(characteristics), found.not_measurable)
 
 
 def _choice(

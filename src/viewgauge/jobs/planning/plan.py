@@ -25,7 +25,13 @@ from ...execution.fingerprint import job_fingerprint
 from ...execution.progress import Progress, Silent
 from ...formats.files.journal import ChunkJournal
 from ...part import Characteristic
-from ...planning import Plan, assigned_viewpoint, planned_not_measurable, without_allowed_error
+from ...planning import (
+    Plan,
+    assigned_viewpoint,
+    planned_not_measurable,
+    sort_characteristics,
+    without_allowed_error,
+)
 from ...planning.cover.minimum_cover import DEFAULT_TIME_LIMIT_S
 from ...planning.inspection import Inspection
 from .candidate_search import CandidateSearch
@@ -137,8 +143,16 @@ def _planned(
     characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
     not_measurable = (*inspection.part.not_measurable, *refused)
     if not characteristics:
-        planned = tuple(planned_not_measurable(not_measurable))
-        return Plan(inspection.seed, (), planned, lower_bound=0, candidate_count=0)
+        unplanned = sort_characteristics(inspection.part, inspection.requirement)
+        open_ones, basic = unplanned.not_measurable, unplanned.without_tolerance
+        return Plan(
+            inspection.seed,
+            (),
+            tuple(planned_not_measurable(open_ones)),
+            lower_bound=0,
+            candidate_count=0,
+            without_tolerance=tuple(planned_not_measurable(basic)),
+        )
     threads = None if isinstance(executor, InProcess) else 1
     job = EvaluationJob.of(inspection, characteristics, _candidates(inspection, characteristics), threads=threads)
     size, time_limit_s = options.viewpoints_per_chunk, options.time_limit_s

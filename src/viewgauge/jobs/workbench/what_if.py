@@ -12,8 +12,8 @@ from ...evaluation import MeasurandLaws
 from ...evaluation.error_budget import ErrorBudget, error_budget
 from ...execution.chunks import EvaluationJob, candidate_grid, evaluator_of
 from ...geometry import invert, transform
-from ...part import NotMeasurable, rim_axes
-from ...planning import Plan, default_distance_range, without_allowed_error
+from ...part import rim_axes
+from ...planning import Plan, default_distance_range, sort_characteristics
 from ...planning.candidates.direction_map import DirectionMap, map_directions
 from ...planning.improve.answers import Answers
 from ...planning.improve.knob_values import KnobValues, moved_along_axis
@@ -39,8 +39,8 @@ class WhatIf:
 
     def __init__(self, inspection: Inspection, plan: Plan | None) -> None:
         self.inspection, self.plan = inspection, plan
-        self.characteristics, refused = without_allowed_error(inspection.part.characteristics, inspection.requirement)
-        self.refused: tuple[NotMeasurable, ...] = (*inspection.part.not_measurable, *refused)
+        found = sort_characteristics(inspection.part, inspection.requirement)
+        self.characteristics, self.refused = found.judged, found.not_measurable
         source = ExplicitViewpoints((), np.zeros((0, 4, 4)))
         self._evaluator = (
             evaluator_of(EvaluationJob.of(inspection, self.characteristics, source)) if self.characteristics else None

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from ...exceptions import InputError
 from ..brep import PmiRecord
 from ..features.outline import Outline
+from .angles import derive_angle
 from .diameters import derive_diameters
 from .distances import derive_distance
 from .lengths import derive_lengths
@@ -19,6 +20,7 @@ Deriver = Callable[[Outline, PmiRecord], list[Outcome]]
 """Looks for the measurands of a PMI record on a B-rep; gives one outcome per feature, at least one."""
 
 _DERIVERS: dict[str, Deriver] = {
+    "angle": derive_angle,
     "diameter": derive_diameters,
     "distance": derive_distance,
     "length": derive_lengths,
@@ -27,7 +29,7 @@ _DERIVERS: dict[str, Deriver] = {
 
 
 def register(kind: str, deriver: Deriver) -> None:
-    """Derive characteristics from the PMI records of a kind that nothing derives yet, such as "angle".
+    """Derive characteristics from the PMI records of a kind that nothing derives yet, such as "depth".
 
     Raises
     ------

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..brep import Edge, PmiRecord, Reference
 from ..features.arcs import Circle, circle_of, evenly, opposite_angles
 from ..features.coincidence import same_axis, same_circle, same_radius
+from ..features.feature_groups import extent_along, one_cylinder
 from ..features.grouping import connected_groups
 from ..features.outline import Outline
 from ..measurands import Diameter
@@ -56,7 +57,7 @@ def derive_diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
 
 def _holes_and_bosses(outline: Outline, references: tuple[Reference, ...]) -> list[_Feature]:
     cylinders = [r.index for r in references if r.kind == "face" and _is_bounded_cylinder(outline, r.index)]
-    groups = connected_groups(cylinders, lambda a, b: _one_cylinder(outline, a, b))
+    groups = connected_groups(cylinders, lambda a, b: one_cylinder(outline, a, b))
     return [_feature(outline, group) for group in groups]
 
 
@@ -64,26 +65,9 @@ def _is_bounded_cylinder(outline: Outline, face: int) -> bool:
     return outline.brep.faces[face].kind == "cylinder" and bool(outline.brep.faces[face].edges)
 
 
-def _one_cylinder(outline: Outline, a: int, b: int) -> bool:
-    """Whether two cylindrical faces have one axis and radius and adjoin along the axis, both holes or both bosses."""
-    first, second = outline.brep.faces[a], outline.brep.faces[b]
-    if first.concave != second.concave or not same_radius(first.radius_mm, second.radius_mm, outline.tolerance_mm):
-        return False
-    if not same_axis(first.origin, first.axis, second.origin, second.axis, outline.tolerance_mm):
-        return False
-    (low, high), (other_low, other_high) = (_extent(outline, face, first.axis) for face in (a, b))
-    return max(low, other_low) <= min(high, other_high) + outline.tolerance_mm
-
-
-def _extent(outline: Outline, face: int, axis: NDArray[np.float64]) -> tuple[float, float]:
-    """Lowest and highest coordinate of the face's edges along a direction, mm."""
-    along = np.concatenate([outline.brep.edges[edge].points @ axis for edge in outline.brep.faces[face].edges])
-    return float(along.min()), float(along.max())
-
-
 def _feature(outline: Outline, cylinders: list[int]) -> _Feature:
     face = outline.brep.faces[cylinders[0]]
-    extents = np.array([_extent(outline, cylinder, face.axis) for cylinder in cylinders])
+    extents = np.array([extent_along(outline, cylinder, face.axis) for cylinder in cylinders])
     middle = (extents.min() + extents.max()) / 2
     place = face.origin + (middle - face.origin @ face.axis) * face.axis
     rims = rims_of(outline, tuple(Reference("face", cylinder) for cylinder in cylinders))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import PmiRecord, Reference
 from ..features.coincidence import is_parallel, unit
+from ..features.feature_groups import feature_groups
 from ..features.outline import Outline
 from ..features.parallel_planes import Side, distinct_normals, measurands_between, side_of
 from ..measurands import PointPair
@@ -18,12 +21,34 @@ __all__ = ["derive_distance", "distance"]
 
 
 def derive_distance(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
-    """One outcome: the distance between the two features that the PMI record refers to."""
+    """The distance between the two features that the PMI record refers to.
+
+    Where one side is a pattern, there is one outcome for each of its features, ordered by position: its distance from
+    the other side; where both are patterns of as many features, from the nearest one there that is at the nominal
+    distance.
+    """
     if not pmi_record.first:
         return [NO_REFERENCE]
     if not pmi_record.second:
         return [NotDerived("the PMI record refers to only one of the two features of a distance")]
-    return [distance(outline, pmi_record)]
+    first, second = (feature_groups(outline, side) for side in (pmi_record.first, pmi_record.second))
+    if len(first) == len(second) == 1:
+        return [distance(outline, pmi_record)]
+    if len(first) >= len(second):
+        return [_nearest(outline, pmi_record, one, second) for one in first]
+    turned = replace(pmi_record, first=pmi_record.second, second=pmi_record.first)
+    return [_nearest(outline, turned, one, first) for one in second]
+
+
+def _nearest(
+    outline: Outline, pmi_record: PmiRecord, one: tuple[Reference, ...], others: list[tuple[Reference, ...]]
+) -> Outcome:
+    """The distance of one feature of a pattern from the nearest of the others that it can be measured from."""
+    outcomes = [distance(outline, replace(pmi_record, first=one, second=other)) for other in others]
+    derived = [outcome for outcome in outcomes if isinstance(outcome, Derived)]
+    if not derived:
+        return outcomes[0]
+    return min(derived, key=lambda outcome: min(m.length_mm for m in outcome.measurands))
 
 
 def distance(outline: Outline, pmi_record: PmiRecord) -> Outcome:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import isnan
 
 from ..brep import PmiRecord
+from ..indication import Measurability
 from ..measurands import PointPair
 
 __all__ = ["NO_REFERENCE", "Derived", "NotDerived", "Outcome", "agrees", "closest", "disagreement"]
@@ -27,6 +28,7 @@ class NotDerived:
     """One feature that offers no measurand, and why."""
 
     reason: str
+    status: Measurability = Measurability.NOT_MEASURABLE
 
 
 Outcome = Derived | NotDerived

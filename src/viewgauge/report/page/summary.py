@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from ...planning.plan import Plan
+from ...planning.plan import Plan, Status
 from ..templating import Markup, render
 from ..wording import DASH, probability
+from .ranking import STATUS_WORDS
 
 __all__ = ["summary_section", "verdict"]
 
@@ -24,8 +25,10 @@ def verdict(plan: Plan) -> tuple[str, bool]:
     parts = []
     if count["not_met"]:
         parts.append(f"not met: {count['not_met']} of {total} characteristics")
-    if count["not_measurable"]:
-        parts.append(f"not measurable: {count['not_measurable']}" + ("" if parts else f" of {total} characteristics"))
+    for status in (Status.PARTIAL, Status.NOT_MEASURABLE, Status.OUT_OF_SCOPE):
+        if count[status]:
+            of_all = "" if parts else f" of {total} characteristics"
+            parts.append(f"{STATUS_WORDS[status]}: {count[status]}{of_all}")
     text = ", ".join(parts)
     return text[0].upper() + text[1:], False
 

@@ -46,11 +46,17 @@ class _ViewpointRow:
 def characteristics_section(plan: Plan) -> Markup:
     """Every characteristic: not met, not measurable, then met; the least probable first in each group."""
     rows = [_characteristic_row(characteristic) for characteristic in ranked(plan)]
-    return render("characteristics.html", rows=rows, colours=viewpoint_colours(plan), status_words=STATUS_WORDS)
+    return render(
+        "characteristics.html",
+        rows=rows,
+        colours=viewpoint_colours(plan),
+        status_words=STATUS_WORDS,
+        without_tolerance=plan.without_tolerance,
+    )
 
 
 def _characteristic_row(characteristic: PlannedCharacteristic) -> _CharacteristicRow:
-    measurable, reached = characteristic.status != "not_measurable", characteristic.measurand is not None
+    measurable, reached = characteristic.status.is_judged, characteristic.measurand is not None
     return _CharacteristicRow(
         characteristic,
         _nominal(characteristic),
@@ -87,7 +93,8 @@ def _remark(characteristic: PlannedCharacteristic) -> str:
     if characteristic.acquisitions and characteristic.single_probability is not None:
         alone = probability(characteristic.single_probability)
         return f"mean of {len(characteristic.acquisitions)} acquisitions; the best alone {alone}"
-    sentences = [text for text in (characteristic.limit, characteristic.proof) if text]
+    own = characteristic.indication.text if not characteristic.status.is_judged else ""
+    sentences = [text for text in (own, characteristic.limit, characteristic.proof) if text]
     return ". ".join(text[0].upper() + text[1:] if n else text for n, text in enumerate(sentences))
 
 
