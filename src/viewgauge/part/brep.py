@@ -141,6 +141,8 @@ class Brep:
         What the user should know about the reading, one sentence each (such as "no semantic PMI: geometry only").
     plus_minus_count
         Number of PLUS_MINUS_TOLERANCE entities in the file, with which the reading can be compared.
+    solids
+        Number of solids; 0 where the file has surfaces or triangles only.
     """
 
     name: str
@@ -151,3 +153,4 @@ class Brep:
     pmi_records: tuple[PmiRecord, ...]
     plus_minus_count: int = 0
     notes: tuple[str, ...] = ()
+    solids: int = 0

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .brep import Brep
 from .characteristic import Characteristic, NotMeasurable
 from .mesh import Mesh
 
@@ -31,6 +32,11 @@ class Part:
         What the user should know about the reading, one sentence each.
     length_unit
         Unit of the part's file (everything here is mm already).
+    solids
+        Number of solids of a CAD file; None where nobody counted.
+    brep
+        The boundary representation of a CAD part, for features by their ids; None for a mesh, and once the
+        characteristics are complete.
     feature_lines
         Polylines ``(n, 3)`` mm of the part's visible edges, for pictures.
     """
@@ -42,3 +48,5 @@ class Part:
     notes: tuple[str, ...] = ()
     length_unit: str = "mm"
     feature_lines: tuple[NDArray[np.float64], ...] = field(default=())
+    solids: int | None = None
+    brep: Brep | None = None

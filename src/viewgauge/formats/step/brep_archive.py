@@ -43,6 +43,7 @@ def save_brep(brep: Brep, folder: Path) -> None:
         "chord_error_mm": brep.mesh.chord_error_mm,
         "plus_minus_count": brep.plus_minus_count,
         "notes": brep.notes,
+        "solids": brep.solids,
         "faces": [[face.kind, face.radius_mm, face.concave, face.edges] for face in faces],
         "edges": [[edge.kind, edge.faces, edge.radius_mm, edge.closed, edge.seam, edge.smooth] for edge in edges],
         "pmi_records": [_archived_record(pmi_record) for pmi_record in brep.pmi_records],
@@ -76,6 +77,7 @@ def load_brep(folder: Path) -> Brep:
         pmi_records=tuple(_pmi_record(entry) for entry in record["pmi_records"]),
         plus_minus_count=record["plus_minus_count"],
         notes=tuple(record["notes"]),
+        solids=record["solids"],
     )
 
 
