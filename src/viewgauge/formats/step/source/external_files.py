@@ -53,7 +53,7 @@ _CAD_SUFFIXES = frozenset(
             "model",
             "3dxml",
         ),
-        *("stl", "obj", "ply", "3mf", "glb", "gltf", "wrl", "fcstd"),
+        *("stl", "obj", "ply", "3mf", "glb", "gltf", "wrl", "fcstd", "qif", "x_b"),
     )
 )
 
