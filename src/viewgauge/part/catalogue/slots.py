@@ -22,7 +22,7 @@ class Slots:
 
     def find(self, outline: Outline) -> list[PartFeature]:
         """The slots: each is two faces that look at each other and adjoin one face between them."""
-        found = {}
+        found: dict[tuple[int, int], float] = {}
         for between, sides in _walls(outline).items():
             for a, b in combinations(sorted(sides), 2):
                 width = _air_between(outline, a, b)
