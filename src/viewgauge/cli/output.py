@@ -126,10 +126,7 @@ def print_check(document: dict[str, Any]) -> None:
     if part["solids"] is not None:
         print(f"  solids: {part['solids']}")
     if not document["characteristics"]:
-        print("no characteristics: the part has no PMI, and the inspection file states none")
-        print(
-            "  `viewgauge features` with the part's file lists its features; with --propose it writes characteristics"
-        )
+        print("no characteristics")
         return
     print(f"{len(characteristics)} characteristics can be measured:")
     for d in characteristics:

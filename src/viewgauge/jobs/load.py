@@ -48,7 +48,7 @@ def load(
     within
         The only folder from which files that the inspection file names may be read; None for any.
     may_be_empty
-        Accept a part without any characteristic, to say what it is.
+        Accept a CAD part without any characteristic, to say what it is.
 
     Raises
     ------
@@ -129,23 +129,30 @@ def _with_entries(part: Part, file: InspectionFile, *, may_be_empty: bool) -> Pa
         for name, characteristic in characteristics.items():
             if characteristic.tolerance_mm is None:
                 characteristics[name] = replace(characteristic, tolerance_mm=file.general_tolerance_mm)
-    if not characteristics and not not_measurable and not may_be_empty:
-        cad = part.brep is not None
-        raise InspectionFileError(
-            "there is no characteristic to measure: the part brings none, and the file gives none",
-            file=file.path,
-            key="part.characteristics",
-            hint="`viewgauge features` with the part's file lists its features and, with --propose, writes "
-            "characteristics on them"
-            if cad
-            else "add characteristics with an id and two points to part.characteristics",
-        )
+    if not characteristics and not not_measurable:
+        if not may_be_empty or part.solids is None:
+            raise InspectionFileError(
+                "there is no characteristic to measure: the part brings none, and the file gives none",
+                file=file.path,
+                key="part.characteristics",
+                hint=_next_step(part),
+            )
+        notes.append(f"The part brings no characteristic, and the inspection file states none: {_next_step(part)}.")
     return replace(
         part,
         characteristics=tuple(characteristics.values()),
         not_measurable=tuple(not_measurable.values()),
         notes=tuple(notes),
         brep=None,
+    )
+
+
+def _next_step(part: Part) -> str:
+    """What a user does for a part without characteristics."""
+    if part.brep is None:
+        return "add characteristics with an id and two points to part.characteristics"
+    return (
+        "`viewgauge features` with the part's file lists its features; with --propose it writes characteristics on them"
     )
 
 

@@ -212,7 +212,7 @@ class PartSection(Section):
     """The part and its characteristics, which are read one by one."""
 
     file: Name | None = Field(
-        default=None, description="the part's file, beside this one: STEP (.stp, .step, .p21) or a mesh"
+        default=None, description="the part's file, beside this one: STEP (.stp, .step, .p21, .stpz) or a mesh"
     )
     characteristics: Annotated[list[Any] | None, Apart(CharacteristicSection, listed=True)] = Field(
         default=None, description="a list of characteristics, added to those read from the part's PMI"
