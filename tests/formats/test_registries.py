@@ -55,7 +55,9 @@ def test_a_part_file(tmp_path):
     path = tmp_path / "one.tri"
     with reading_part(path) as finish, pytest.raises(PartFileError, match="is not known") as caught:
         finish()
-    assert caught.value.expected == "STEP (.stp, .step, .p21) or a mesh (.stl, .ply, .obj)"
+    assert caught.value.expected == (
+        "STEP (.stp, .step, .p21, .stpz, .stp.gz, .step.gz, .p21.gz) or a mesh (.stl, .ply, .obj)"
+    )
     with registered(PART_FORMATS, Triangle()), reading_part(path) as finish:
         assert finish().name == "one"
 

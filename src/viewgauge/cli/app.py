@@ -23,6 +23,7 @@ import viewgauge as vg
 from ..exceptions import ViewgaugeError
 from .camera import camera
 from .characterize import characterize
+from .features import features
 from .first_run import report_compiling
 from .images import measure, simulate, validate
 from .improve import improve, specify
@@ -205,7 +206,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
     """
 
     with Bars().stage("Reading the inspection and its part"):
-        document = vg.check(vg.load(file, part=part))
+        document = vg.check(vg.load(file, part=part, may_be_empty=True))
     if json:
         print_json(document)
     else:
@@ -217,6 +218,7 @@ app.command(improve, name="improve")
 app.command(specify, name="specify")
 app.command(characterize, name="characterize")
 app.command(camera, name="camera")
+app.command(features, name="features")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 app.command(validate, name="validate")

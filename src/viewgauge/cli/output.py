@@ -127,6 +127,11 @@ def print_check(document: dict[str, Any]) -> None:
     print(f" within {part['chord_error_mm']:.2g} mm of the surface")
     for note in part["notes"]:
         print(f"  note: {note}")
+    if part["solids"] is not None:
+        print(f"  solids: {part['solids']}")
+    if not document["characteristics"]:
+        print("no characteristics")
+        return
     print(f"{len(characteristics)} characteristics can be measured:")
     for d in characteristics:
         tolerance = "no tolerance" if d["tolerance_mm"] is None else "{:+g} {:+g}".format(*d["tolerance_mm"])

@@ -31,6 +31,7 @@ def check(inspection: Inspection) -> dict[str, Any]:
             "name": inspection.part.name,
             "length_unit": inspection.part.length_unit,
             "size_mm": (high - low).tolist(),
+            "solids": inspection.part.solids,
             "triangles": len(inspection.part.mesh.triangles),
             "chord_error_mm": inspection.part.mesh.chord_error_mm,
             "notes": list(inspection.part.notes),

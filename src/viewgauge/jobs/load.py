@@ -30,6 +30,7 @@ def load(
     chord_error_mm: float | None = None,
     meanwhile: Callable[[], object] | None = None,
     within: str | PathLike[str] | None = None,
+    may_be_empty: bool = False,
 ) -> Inspection:
     """Read an inspection file and everything that it names.
 
@@ -46,6 +47,8 @@ def load(
         import what comes next.
     within
         The only folder from which files that the inspection file names may be read; None for any.
+    may_be_empty
+        Accept a CAD part without any characteristic, to say what it is.
 
     Raises
     ------
@@ -66,7 +69,7 @@ def load(
             )
         if meanwhile is not None:
             meanwhile()
-        return _inspection(file, part_path, _with_entries(finish(), file))
+        return _inspection(file, part_path, _with_entries(finish(), file, may_be_empty=may_be_empty))
 
 
 def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection:
@@ -86,22 +89,32 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
     )
 
 
-def _with_entries(part: Part, file: InspectionFile) -> Part:
+def _with_entries(part: Part, file: InspectionFile, *, may_be_empty: bool) -> Part:
     """The part with the inspection file's own characteristics and tolerances.
 
-    An entry with two points adds a characteristic (or takes the place of the PMI's of the same id); an entry without
-    changes the tolerance or observation of the PMI's; the general tolerance goes to characteristics that have none.
+    An entry with two points, or on features, adds a characteristic (or takes the place of the PMI's of the same id);
+    any other changes the tolerance or observation of the PMI's; the general tolerance goes to those that have none.
     """
+    from ..part import Characteristic
+    from .features.stated_characteristics import FeatureIds
+
     characteristics = {characteristic.id: characteristic for characteristic in part.characteristics}
     not_measurable = {entry.id: entry for entry in part.not_measurable}
-    notes = list(part.notes)
+    notes, features = list(part.notes), FeatureIds(part, file)
+    features.check_datums()
     for entry in file.characteristics:
         if not entry.is_override:
             if entry.id in characteristics or entry.id in not_measurable:
-                notes.append(f"characteristic {entry.id}: the inspection file's two points replace the part's PMI")
-            replaced = characteristics.get(entry.id) or not_measurable.pop(entry.id, None)
-            own = _own_characteristic(entry, part, file)
-            characteristics[entry.id] = own if replaced is None else replace(own, indication=replaced.indication)
+                what = "two points replace" if entry.stated is None else "features replace"
+                notes.append(f"characteristic {entry.id}: the inspection file's {what} the part's PMI")
+            replaced = characteristics.pop(entry.id, None) or not_measurable.pop(entry.id, None)
+            own = _own_characteristic(entry, part, file) if entry.stated is None else features.characteristic(entry)
+            if replaced is not None:
+                own = replace(own, indication=replaced.indication)
+            if isinstance(own, Characteristic):
+                characteristics[entry.id] = own
+            else:
+                not_measurable[entry.id] = own
         elif changed := [name for name in characteristics if name == entry.id or name.startswith(f"{entry.id}/")]:
             characteristics |= {name: _changed(characteristics[name], entry) for name in changed}
         elif not any(name == entry.id or name.startswith(f"{entry.id}/") for name in not_measurable):
@@ -118,18 +131,30 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
             if characteristic.tolerance_mm is None:
                 characteristics[name] = _with_tolerance(characteristic, file.general_tolerance_mm)
     if not characteristics and not not_measurable:
-        raise InspectionFileError(
-            "there is no characteristic to measure: the part brings none, and the file gives none",
-            file=file.path,
-            key="part.characteristics",
-            got=" ".join(part.notes) or None,
-            hint="add characteristics with an id and two points to part.characteristics",
-        )
+        if not may_be_empty or part.solids is None:
+            raise InspectionFileError(
+                "there is no characteristic to measure: the part brings none, and the file gives none",
+                file=file.path,
+                key="part.characteristics",
+                got=" ".join(part.notes) or None,
+                hint=_next_step(part),
+            )
+        notes.append(f"The part brings no characteristic, and the inspection file states none: {_next_step(part)}.")
     return replace(
         part,
         characteristics=tuple(characteristics.values()),
         not_measurable=tuple(not_measurable.values()),
         notes=tuple(notes),
+        brep=None,
+    )
+
+
+def _next_step(part: Part) -> str:
+    """What a user does for a part without characteristics."""
+    if part.brep is None:
+        return "add characteristics with an id and two points to part.characteristics"
+    return (
+        "`viewgauge features` with the part's file lists its features; with --propose it writes characteristics on them"
     )
 
 

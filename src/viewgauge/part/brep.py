@@ -160,6 +160,8 @@ class Brep:
         Number of toleranced records in the file's text by kind, counted apart from the reading.
     findings
         What is implausible in the file.
+    solids
+        Number of solids; 0 where the file has surfaces or triangles only.
     """
 
     name: str
@@ -172,3 +174,4 @@ class Brep:
     notes: tuple[str, ...] = ()
     pmi_counts: Mapping[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    solids: int = 0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..findings import Finding
+from .brep import Brep
 from .characteristic import Characteristic, NotMeasurable
 from .mesh import Mesh
 
@@ -33,6 +34,11 @@ class Part:
         What the user should know about the reading, one sentence each.
     length_unit
         Unit of the part's file (everything here is mm already).
+    solids
+        Number of solids of a CAD file; None where nobody counted.
+    brep
+        The boundary representation of a CAD part, for features by their ids; None for a mesh, and once the
+        characteristics are complete.
     feature_lines
         Polylines ``(n, 3)`` mm of the part's visible edges, for pictures.
     pmi_counts
@@ -50,3 +56,5 @@ class Part:
     feature_lines: tuple[NDArray[np.float64], ...] = field(default=())
     pmi_counts: Mapping[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    solids: int | None = None
+    brep: Brep | None = None

@@ -168,4 +168,6 @@ class Plan(Drawable):
     @property
     def all_met(self) -> bool:
         """There are characteristics, and every one is met."""
-        return bool(self.characteristics) and all(characteristic.status == Status.MET for characteristic in self.characteristics)
+        return bool(self.characteristics) and all(
+            characteristic.status == Status.MET for characteristic in self.characteristics
+        )

@@ -16,7 +16,7 @@ MOST_BYTES = 64 * 2**20
 """The largest size of a file."""
 
 INSPECTION_SUFFIXES = (".yaml", ".yml")
-OTHER_SUFFIXES = (".stp", ".step", ".p21", ".stl", ".ply", ".obj", ".csv", ".yaml", ".yml")
+OTHER_SUFFIXES = (".stp", ".step", ".p21", ".stpz", ".stl", ".ply", ".obj", ".csv", ".yaml", ".yml")
 """Parts, viewpoints, covariances, calibrations."""
 
 _MOST_FILES = 20

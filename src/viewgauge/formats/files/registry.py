@@ -47,5 +47,5 @@ class SuffixRegistry(Registry[_Suffixed]):
 
     def of(self, path: Path) -> _Suffixed | None:
         """The format of a file of this name; None if there is none."""
-        suffix = path.suffix.lower()
-        return next((format_ for format_ in self if suffix in format_.suffixes), None)
+        name = path.name.lower()
+        return next((format_ for format_ in self if name.endswith(format_.suffixes)), None)

@@ -37,6 +37,8 @@ class InspectionFile:
         else from the folder of the inspection file; whether they exist is found when they are read.
     characteristics
         Measurands of the user's own and changes to characteristics of the PMI.
+    datums
+        Ids of the features that are datums, by the datums' letters.
     general_tolerance_mm
         (lower, upper) deviation, mm, of characteristics that have none of their own; None where not given. It is not
         yet applied to ``characteristics``.
@@ -51,6 +53,7 @@ class InspectionFile:
     path: Path
     part_file: Path | None
     characteristics: tuple[CharacteristicEntry, ...]
+    datums: Mapping[str, str]
     general_tolerance_mm: tuple[float, float] | None
     viewpoints_file: Path | None
     other_files: tuple[Path, ...]
@@ -116,6 +119,7 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
         path=text.path,
         part_file=None if part.file is None else text.beside(part.file, "part.file"),
         characteristics=characteristics,
+        datums=part.datums or {},
         general_tolerance_mm=part.general_tolerance,
         viewpoints_file=None
         if section.viewpoints is None

@@ -48,6 +48,7 @@ def save_brep(brep: Brep, folder: Path) -> None:
         "notes": brep.notes,
         "pmi_counts": dict(brep.pmi_counts),
         "findings": [asdict(finding) for finding in brep.findings],
+        "solids": brep.solids,
         "faces": [[face.kind, face.radius_mm, face.concave, face.edges, face.instance] for face in faces],
         "edges": [
             [edge.kind, edge.faces, edge.radius_mm, edge.closed, edge.seam, edge.smooth, edge.instance]
@@ -86,6 +87,7 @@ def load_brep(folder: Path) -> Brep:
         notes=tuple(record["notes"]),
         pmi_counts=record["pmi_counts"],
         findings=tuple(Finding(**finding) for finding in record["findings"]),
+        solids=record["solids"],
     )
 
 

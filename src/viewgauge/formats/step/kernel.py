@@ -7,7 +7,7 @@ by :mod:`.step_child` alone, in a process of its own.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +24,7 @@ from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as S
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
 from OCP.gp import gp_Cylinder, gp_Pln, gp_Pnt, gp_Vec
 from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.Interface import Interface_Static
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
@@ -37,6 +38,10 @@ from ...part.mesh import Mesh
 from ..mesh.watertight import is_watertight
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
 from .pmi import count_toleranced, pmi_findings, pmi_notes, pmi_sources, to_pmi_records
+from .source.coordinates import LARGEST_PART_MM, refuse_far_points
+from .source.external_files import external_files, refuse_without_geometry
+from .source.step_source import read_source
+from .source.tessellation import has_surfaces, tessellated_bodies, tessellated_brep
 from .step_text import StepText, not_a_number
 from .step_units import Units
 from .triangle_weld import Weld, signed_volume
@@ -54,13 +59,21 @@ _SURFACES: dict[Any, FaceKind] = {
     GeomAbs_SurfaceType.GeomAbs_Torus: "torus",
 }
 _ROUND = ("cylinder", "cone", "sphere", "torus")
+_CURVES = (
+    "GEOMETRIC_CURVE_SET",
+    "EDGE_BASED_WIREFRAME_MODEL",
+    "SHELL_BASED_WIREFRAME_MODEL",
+    "BLOCK",
+    "RIGHT_CIRCULAR_CYLINDER",
+    "SPHERE",
+)
 
 Vectors = NDArray[np.float64]
 CurveKind = Literal["line", "circle", "other"]
 FaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus", "other"]
 
 
-def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Brep:
+def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool, folder: Path) -> Brep:
     """Read a STEP file.
 
     Parameters
@@ -72,18 +85,30 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
         from 0.01 to 0.1 mm.
     with_pmi
         Find the faces that the PMI refers to; without it every characteristic is read and none is measurable.
+    folder
+        Existing folder for a copy of the file in the form that the kernel reads, where it needs one.
 
     Raises
     ------
     PartFileError
         If the kernel cannot read the file or there is no geometry in it.
     """
-    source = path.read_text(encoding="latin-1")
-    bad = not_a_number(source)
+    source = read_source(path, folder)
+    bad = not_a_number(source.text)
     if bad is not None:
         raise PartFileError("a point has a coordinate that is no number", got=bad, expected="finite coordinates")
+    text = StepText.scan(source.text)
+    units = Units(text)
+    refuse_far_points(source.text, units.geometry_factor())
+    name = _product_name(text) or path.stem
+    if not has_surfaces(text):
+        if tessellated_bodies(text):
+            return tessellated_brep(text, name, units.geometry_factor(), units.summary())
+        if not text.numbers(*_CURVES):
+            refuse_without_geometry(text, source.text)
     reader = STEPControl_Reader()
-    if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+    Interface_Static.SetIVal_s("read.step.tessellated", 0)  # they are read from the text
+    if reader.ReadFile(str(source.kernel_path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise PartFileError("the CAD kernel cannot read the file: it is damaged or no valid STEP")
     reader.TransferRoots()
     shape = reader.OneShape()
@@ -91,16 +116,16 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool) -> Br
         raise PartFileError("the file holds no geometry", expected="a solid part")
     notes: list[str] = []
     roots = _roots(shape, notes)
-    chord_error = chord_error_mm or _default_chord_error(roots)
+    diagonal = _diagonal(roots)
+    chord_error = chord_error_mm or float(np.clip(2e-4 * diagonal, 0.01, 0.1))
     topology = _Topology(roots, chord_error)
     mesh, sign = topology.mesh(notes)
     faces, edges = topology.faces(sign), topology.edges(sign, notes)
-    text = StepText.scan(source)
-    units = Units(text)
-    brep = Brep(_product_name(text) or path.stem, units.summary(), faces, edges, mesh, ())
-    sources, counts = pmi_sources(text), count_toleranced(source)
+    notes += _not_read(text, source.text)
+    brep = Brep(name, units.summary(), faces, edges, mesh, (), solids=_count(roots, TopAbs_ShapeEnum.TopAbs_SOLID))
+    sources, counts = pmi_sources(text), count_toleranced(source.text)
     wanted = {number for s in sources for number in (*s.first, *s.second)} if with_pmi else ()
-    shapes = topology.references(reader, text, wanted) if wanted else {}
+    shapes = topology.references(reader, text, wanted, source.kernel_numbers) if wanted else {}
     pmi_records = to_pmi_records(sources, shapes, faces, edges)
     if not with_pmi:
         lost = "the CAD kernel crashed when it was asked for the faces that it refers to"
@@ -145,14 +170,34 @@ def _shapes(shape: Any, kind: TopAbs_ShapeEnum) -> Iterator[Any]:
     return (found.FindKey(index) for index in range(1, found.Extent() + 1))
 
 
-def _default_chord_error(roots: Iterable[Any]) -> float:
+def _count(roots: Iterable[Any], kind: TopAbs_ShapeEnum) -> int:
+    return sum(root.ShapeType() == kind for root in roots)
+
+
+def _not_read(text: StepText, source: str) -> list[str]:
+    """Notes on geometry that the file names beside its B-rep, and that is not used."""
+    notes = []
+    tessellated = len(tessellated_bodies(text))
+    if tessellated:
+        notes.append(f"Tessellated bodies beside the B-rep geometry: {tessellated}; they are not used.")
+    files = external_files(text, source)
+    if files:
+        notes.append(f"Geometry in other files is not read and hides nothing: {', '.join(files[:20])}.")
+    return notes
+
+
+def _diagonal(roots: Iterable[Any]) -> float:
+    """Diagonal of the roots' box, mm."""
     box = Bnd_Box()
     for root in roots:
         BRepBndLib.Add_s(root, box)
     if box.IsVoid():
         raise PartFileError("the file holds no geometry", expected="a solid part")
     diagonal = float(np.sqrt(box.SquareExtent()))
-    return float(np.clip(2e-4 * diagonal, 0.01, 0.1))
+    if not diagonal <= LARGEST_PART_MM:
+        got, expected = f"a diagonal of {diagonal:.4g} mm", f"at most {LARGEST_PART_MM:.0e} mm"
+        raise PartFileError("the part is larger than any part", got=got, expected=expected, hint="check its unit")
+    return diagonal
 
 
 class _Topology:
@@ -316,7 +361,9 @@ class _Topology:
             normals.append(self._normal(face, place.X(), place.Y(), sign)[1])
         return _without_gaps(np.array(normals))
 
-    def references(self, reader: Any, text: StepText, wanted: Collection[int]) -> dict[int, list[Reference]]:
+    def references(
+        self, reader: Any, text: StepText, wanted: Collection[int], kernel_numbers: Mapping[int, int]
+    ) -> dict[int, list[Reference]]:
         """Faces and edges by the number of the record that they came from.
 
         The kernel answers only in the direction from shape to entity, and looks entities up by address; so the
@@ -324,7 +371,9 @@ class _Topology:
         asked for its entity.
         """
         model = reader.StepModel()
-        entities = [(model.Value(rank), number) for number in wanted if (rank := _rank(model, text, number))]
+        entities = [
+            (model.Value(rank), number) for number in wanted if (rank := _rank(model, text, number, kernel_numbers))
+        ]
         number_of = {id(entity): number for entity, number in entities}
         names = {entity.DynamicType().Name() for entity, _ in entities}
         transfer = reader.WS().TransferReader()
@@ -343,12 +392,10 @@ class _Topology:
         return found
 
 
-def _rank(model: Any, text: StepText, number: int) -> int:
+def _rank(model: Any, text: StepText, number: int, kernel_numbers: Mapping[int, int]) -> int:
     """Rank of a record in the kernel's model, 0 where it is not there; normally its position in the file."""
-    position = text.positions.get(number, 1)
-    return int(model.NextNumberForLabel(f"#{number}", position - 1, True)) or int(
-        model.NextNumberForLabel(f"#{number}", 0, True)
-    )
+    position, label = text.positions.get(number, 1), f"#{kernel_numbers.get(number, number)}"
+    return int(model.NextNumberForLabel(label, position - 1, True)) or int(model.NextNumberForLabel(label, 0, True))
 
 
 def _array(point: Any) -> Vectors:

@@ -34,7 +34,7 @@ def main(arguments: list[str]) -> int:
         from .brep_archive import save_brep
         from .kernel import read_part
 
-        brep = read_part(path, chord_error_mm=options["chord_error_mm"], with_pmi=options["with_pmi"])
+        brep = read_part(path, chord_error_mm=options["chord_error_mm"], with_pmi=options["with_pmi"], folder=folder)
         save_brep(brep, folder)
     except PartFileError as error:
         _refuse(folder, "refused", error.problem, error)

@@ -21,6 +21,7 @@ from typing import IO, TYPE_CHECKING
 
 from ...exceptions import PartFileError
 from .kernel_child import Options
+from .source.unpacking import PACKED
 
 if TYPE_CHECKING:  # the child is started before anything slow is imported
     from ...part.brep import Brep
@@ -29,9 +30,12 @@ __all__ = ["read_step", "reading_step"]
 
 _CHILD = (sys.executable, "-P", "-m", "viewgauge.formats.step.kernel_child")
 _START, _END = b"ISO-10303-21", b"END-ISO-10303-21"
+_PACKED_RATIO = 10  # size of a STEP file by that of its compressed form
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _INSTALL = 'pip install "viewgauge[step]"'
 _MESSAGE_BYTES = 4096
-_TIMEOUT_S, _MEMORY_BYTES = 300.0, 6 * 2**30
+_MEMORY_BYTES = 6 * 2**30
+_LEAST_TIMEOUT_S, _TIMEOUT_S_PER_MB, _LONGEST_TIMEOUT_S = 50.0, 10.0, 600.0
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 # Threads and their arenas reserve address space by the core, and the limit is one of address space.
 _FRUGAL = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "2"}
@@ -41,7 +45,7 @@ def read_step(
     path: str | PathLike[str],
     *,
     chord_error_mm: float | None = None,
-    timeout_s: float = _TIMEOUT_S,
+    timeout_s: float | None = None,
     memory_bytes: int = _MEMORY_BYTES,
     _child_command: Sequence[str] = (),
 ) -> Brep:
@@ -58,7 +62,8 @@ def read_step(
         Largest distance of mesh and edge points from the true surface, mm; None: 2e-4 of the part's diagonal,
         from 0.01 to 0.1 mm.
     timeout_s
-        Wall-clock limit for each attempt, s. The child and all that it started are then killed.
+        Wall-clock limit for each attempt, s: then the child and all that it started are killed. None: 50 s, and 10 s
+        for each megabyte of the file, at most 600 s.
     memory_bytes
         Limit of the child's address space, bytes (POSIX only). The kernel needs about 1 GiB to start.
     _child_command
@@ -75,8 +80,18 @@ def read_step(
         If the file cannot be read, or its reading crashes, takes too long or needs too much memory.
     """
     options = Options(chord_error_mm=chord_error_mm, with_pmi=True, memory_bytes=memory_bytes)
-    with _reading(Path(path), options, timeout_s, _child_command) as finish:
+    limit = _timeout_s(Path(path)) if timeout_s is None else timeout_s
+    with _reading(Path(path), options, limit, _child_command) as finish:
         return finish()
+
+
+def _timeout_s(path: Path) -> float:
+    """How long reading a file may take, by its size (compressed ones by what they may hold)."""
+    try:
+        megabytes = path.stat().st_size / 1e6 * (_PACKED_RATIO if path.suffix.lower() in (".gz", ".stpz") else 1)
+    except OSError:
+        return _LEAST_TIMEOUT_S
+    return min(_LEAST_TIMEOUT_S + _TIMEOUT_S_PER_MB * megabytes, _LONGEST_TIMEOUT_S)
 
 
 @contextlib.contextmanager
@@ -86,7 +101,7 @@ def reading_step(path: str | PathLike[str], *, chord_error_mm: float | None = No
     That call waits for the part, and raises whatever is wrong with it. A block that ends without it ends the child.
     """
     options = Options(chord_error_mm=chord_error_mm, with_pmi=True, memory_bytes=_MEMORY_BYTES)
-    with _reading(Path(path), options, _TIMEOUT_S, ()) as finish:
+    with _reading(Path(path), options, _timeout_s(Path(path)), ()) as finish:
         yield finish
 
 
@@ -150,6 +165,8 @@ def _check_text(path: Path) -> None:
             beginning = stream.read(_MESSAGE_BYTES)
             if not beginning.strip():
                 raise PartFileError("the file is empty", file=path, expected=expected)
+            if beginning.startswith((*PACKED, *_UTF_16)):
+                return  # the child looks inside
             if not beginning.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(_START):
                 got = repr(beginning[:40].decode("latin-1"))
                 raise PartFileError("this is not a STEP file", file=path, got=got, expected=expected)

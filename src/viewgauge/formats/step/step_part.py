@@ -19,7 +19,7 @@ class StepPart:
     """Parts in STEP files, with the characteristics of their semantic PMI."""
 
     name = "STEP"
-    suffixes = (".stp", ".step", ".p21")
+    suffixes = (".stp", ".step", ".p21", ".stpz", ".stp.gz", ".step.gz", ".p21.gz")
 
     @contextmanager
     def reading(self, path: Path, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
@@ -31,7 +31,7 @@ class StepPart:
 def _part(brep: Brep, path: Path) -> Part:
     from ...part import Part
     from ...part.characteristics import derive_characteristics
-    from ...part.feature_lines import brep_feature_lines
+    from ...part.feature_lines import brep_feature_lines, mesh_feature_lines
 
     characteristics, not_measurable = derive_characteristics(brep)
     return Part(
@@ -41,7 +41,9 @@ def _part(brep: Brep, path: Path) -> Part:
         not_measurable=not_measurable,
         notes=brep.notes,
         length_unit=brep.length_unit,
-        feature_lines=brep_feature_lines(brep),
         pmi_counts=brep.pmi_counts,
         findings=brep.findings,
+        feature_lines=brep_feature_lines(brep) if brep.faces else mesh_feature_lines(brep.mesh),
+        solids=brep.solids,
+        brep=brep if brep.faces else None,
     )

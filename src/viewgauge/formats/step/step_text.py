@@ -25,7 +25,7 @@ _TOKEN = re.compile(
 _REF = re.compile(r"'[^']*+'|#(\d+)")
 _BAD_POINT = re.compile(r"#\d+\s*=\s*CARTESIAN_POINT\s*\(\s*'[^']*'\s*,\s*\([^()]*?(?:nan|inf|#)[^()]*\)\s*\)", re.I)
 _ESCAPE = re.compile(
-    r"\\X2\\((?:[0-9A-F]{4})*)\\X0\\|\\X4\\((?:[0-9A-F]{8})*)\\X0\\|\\X\\([0-9A-F]{2})|\\S\\(.)|\\P.\\"
+    r"\\\\|\\X2\\([0-9A-Fa-f]*)\\X0\\|\\X4\\([0-9A-Fa-f]*)\\X0\\|\\X\\([0-9A-Fa-f]{2})|\\S\\(.)|\\P([A-I])\\", re.S
 )
 
 
@@ -164,16 +164,28 @@ def _value(found: re.Match[str]) -> object:
 
 
 def decode_string(text: str) -> str:
-    """Text of a quoted string, its escapes (``''``, ``\\X2\\...\\X0\\``) resolved."""
+    """Text of a quoted string, its escapes resolved (ISO 10303-21, 6.4.3).
+
+    These are ``''`` and ``\\\\`` for one of each, ``\\X2\\...\\X0\\`` and ``\\X4\\...\\X0\\`` for UTF-16 and UTF-32,
+    ``\\X\\hh`` for Latin-1, and ``\\S\\c`` for the upper half of a page of ISO 8859, which ``\\PA\\`` to
+    ``\\PI\\`` choose.
+    """
+    page = 1
 
     def character(found: re.Match[str]) -> str:
-        for group, width in ((1, 4), (2, 8), (3, 2)):
+        nonlocal page
+        for group, digits, encoding in ((1, 4, "utf-16-be"), (2, 8, "utf-32-be"), (3, 2, "latin-1")):
             if found[group] is not None:
-                codes = [int(found[group][k : k + width], 16) for k in range(0, len(found[group]), width)]
-                return "".join(chr(code) for code in codes if code <= 0x10FFFF)
-        return chr(ord(found[4]) + 128) if found[4] else ""
+                codes = found[group][: len(found[group]) // digits * digits]
+                return bytes.fromhex(codes).decode(encoding, "replace")
+        if found[4]:
+            return bytes([(ord(found[4]) | 0x80) & 0xFF]).decode(f"iso8859-{page}", "replace")
+        if found[5]:
+            page = ord(found[5]) - ord("A") + 1
+            return ""
+        return "\\"
 
-    return _ESCAPE.sub(character, text[1:-1].replace("''", "'")).replace("\\\\", "\\")
+    return _ESCAPE.sub(character, text[1:-1].replace("''", "'"))
 
 
 def not_a_number(text: str) -> str | None:

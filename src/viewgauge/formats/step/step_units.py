@@ -65,6 +65,15 @@ class Units:
                         return name
         return ""
 
+    def geometry_factor(self) -> float:
+        """Size of the length unit of the first geometric context, mm; 1 where there is none."""
+        for _, context in self.text.parts("GLOBAL_UNIT_ASSIGNED_CONTEXT"):
+            for number in _references(context.parameters):
+                factor = self._factor(number, 0) if self.text.part(number, "LENGTH_UNIT") else None
+                if factor:
+                    return factor
+        return 1.0
+
     def _length_name(self, number: int) -> str:
         if self.text.part(number, "LENGTH_UNIT") is None:
             return ""

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..brep import Edge, PmiRecord, Reference
 from ..features.arcs import Circle, circle_of, evenly, opposite_angles
 from ..features.coincidence import same_axis, same_circle, same_radius
-from ..features.feature_groups import extent_along, one_cylinder
+from ..features.cylinders import cylinder_groups, extent_along
 from ..features.grouping import connected_groups
 from ..features.outline import Outline
+from ..features.tilted_rims import TiltedRim, tilted_rims
 from ..measurands import Diameter
 from ..measurands.selection import Candidate, select
 from .axis_distances import rims_of
@@ -28,11 +29,15 @@ _ORDER_DECIMALS = 3  # mm: features whose positions agree that closely are order
 
 @dataclass(frozen=True)
 class _Feature:
-    """A hole or boss: the radius in mm, a place ``(3,)`` mm by which features are ordered, and its visible rims."""
+    """A hole or boss: the radius in mm, a place ``(3,)`` mm by which features are ordered, and its visible rims.
+
+    ``rims`` are circles (edges); ``tilted`` are those on planes that lean against the axis.
+    """
 
     radius_mm: float
     place: NDArray[np.float64]
     rims: tuple[int, ...]
+    tilted: tuple[TiltedRim, ...] = ()
 
 
 def derive_diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
@@ -56,13 +61,8 @@ def derive_diameters(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
 
 
 def _holes_and_bosses(outline: Outline, references: tuple[Reference, ...]) -> list[_Feature]:
-    cylinders = [r.index for r in references if r.kind == "face" and _is_bounded_cylinder(outline, r.index)]
-    groups = connected_groups(cylinders, lambda a, b: one_cylinder(outline, a, b))
-    return [_feature(outline, group) for group in groups]
-
-
-def _is_bounded_cylinder(outline: Outline, face: int) -> bool:
-    return outline.brep.faces[face].kind == "cylinder" and bool(outline.brep.faces[face].edges)
+    faces = [r.index for r in references if r.kind == "face"]
+    return [_feature(outline, group) for group in cylinder_groups(outline, faces)]
 
 
 def _feature(outline: Outline, cylinders: list[int]) -> _Feature:
@@ -71,7 +71,7 @@ def _feature(outline: Outline, cylinders: list[int]) -> _Feature:
     middle = (extents.min() + extents.max()) / 2
     place = face.origin + (middle - face.origin @ face.axis) * face.axis
     rims = rims_of(outline, tuple(Reference("face", cylinder) for cylinder in cylinders))
-    return _Feature(face.radius_mm, place, tuple(rims))
+    return _Feature(face.radius_mm, place, tuple(rims), tuple(tilted_rims(outline, cylinders)))
 
 
 def _circles(outline: Outline, pmi_record: PmiRecord, known: set[int]) -> list[_Feature]:
@@ -112,9 +112,9 @@ def _chords(outline: Outline, pmi_record: PmiRecord, feature: _Feature) -> Outco
     value = 2 * feature.radius_mm
     if not agrees(value, pmi_record):
         return NotDerived(disagreement(value, pmi_record))
-    if not feature.rims:
+    if not feature.rims and not feature.tilted:
         return NotDerived("the feature has no visible circular edge: its rims are smooth or not flat")
-    candidates = []
+    candidates = [_minor_axis(outline, rim, value) for rim in feature.tilted]
     for arcs in connected_groups(
         feature.rims, lambda a, b: same_circle(outline.brep.edges[a], outline.brep.edges[b], outline.tolerance_mm)
     ):
@@ -141,6 +141,14 @@ def _chords_of_rim(outline: Outline, arcs: list[int], diameter_mm: float) -> lis
         on_flat_face = any(outline.brep.faces[face].kind == "plane" for face in shared)
         candidates.append(Candidate(measurand, on_flat_face, concave, False, False, 0, diameter_mm))
     return candidates
+
+
+def _minor_axis(outline: Outline, rim: TiltedRim, diameter_mm: float) -> Candidate:
+    """The chord of a rim that is an ellipse; no edge detector may fit a circle to it."""
+    chord = outline.measurand(rim.start_edge, rim.start, rim.end_edge, rim.end)
+    measurand = Diameter(chord.start, chord.end, *chord.normals, chord.source, None)
+    concave = outline.is_concave(rim.start_edge) or outline.is_concave(rim.end_edge)
+    return Candidate(measurand, True, concave, False, False, 0, diameter_mm)
 
 
 def _turn(circle: Circle, arc: Edge) -> float:

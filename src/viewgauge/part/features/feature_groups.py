@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..brep import Reference
-from .coincidence import same_axis, same_circle, same_radius
+from .coincidence import same_circle
+from .cylinders import one_cylinder
 from .grouping import connected_groups
 from .outline import Outline
 
-__all__ = ["extent_along", "feature_groups", "one_cylinder"]
+__all__ = ["feature_groups"]
 
 _ORDER_DECIMALS = 3  # mm: features whose positions agree that closely are ordered by the next coordinate
 
@@ -30,23 +31,6 @@ def feature_groups(outline: Outline, references: Sequence[Reference]) -> list[tu
     groups = connected_groups(range(len(given)), lambda a, b: _one_feature(outline, given, borders, a, b))
     found = [tuple(given[k] for k in group) for group in groups]
     return sorted(found, key=lambda group: tuple(np.round(_middle(outline, group), _ORDER_DECIMALS) + 0.0))
-
-
-def one_cylinder(outline: Outline, a: int, b: int) -> bool:
-    """Whether two cylindrical faces have one axis and radius and adjoin along the axis, both holes or both bosses."""
-    first, second = outline.brep.faces[a], outline.brep.faces[b]
-    if first.concave != second.concave or not same_radius(first.radius_mm, second.radius_mm, outline.tolerance_mm):
-        return False
-    if not same_axis(first.origin, first.axis, second.origin, second.axis, outline.tolerance_mm):
-        return False
-    (low, high), (other_low, other_high) = (extent_along(outline, face, first.axis) for face in (a, b))
-    return max(low, other_low) <= min(high, other_high) + outline.tolerance_mm
-
-
-def extent_along(outline: Outline, face: int, axis: NDArray[np.float64]) -> tuple[float, float]:
-    """Lowest and highest coordinate of the face's edges along a direction, mm."""
-    along = np.concatenate([outline.brep.edges[edge].points @ axis for edge in outline.brep.faces[face].edges])
-    return float(along.min()), float(along.max())
 
 
 def _borders(outline: Outline, reference: Reference) -> frozenset[int]:
