@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..findings import Finding
 from .characteristic import Characteristic, NotMeasurable
 from .mesh import Mesh
 
@@ -33,6 +34,8 @@ class Part:
         Unit of the part's file (everything here is mm already).
     feature_lines
         Polylines ``(n, 3)`` mm of the part's visible edges, for pictures.
+    findings
+        What is implausible about it, such as its size.
     """
 
     name: str
@@ -42,3 +45,4 @@ class Part:
     notes: tuple[str, ...] = ()
     length_unit: str = "mm"
     feature_lines: tuple[NDArray[np.float64], ...] = field(default=())
+    findings: tuple[Finding, ...] = ()

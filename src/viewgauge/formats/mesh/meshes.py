@@ -17,7 +17,7 @@ from .orientation import oriented_outward
 from .union import united
 from .weld import welded
 
-__all__ = ["read_mesh"]
+__all__ = ["mesh_of", "read_mesh"]
 
 _LARGEST_MM = 1e9  # beyond it the squares and cubes of coordinates are no lengths any more
 
@@ -39,7 +39,11 @@ def read_mesh(path: str | os.PathLike[str], unit: str | None = None) -> tuple[Me
     PartFileError
         If the file is missing, empty or no mesh, or has no triangles, no extent or a coordinate that is not finite.
     """
-    file = read_mesh_file(Path(path))
+    return mesh_of(read_mesh_file(Path(path)), path, unit)
+
+
+def mesh_of(file: MeshFile, path: str | os.PathLike[str], unit: str | None = None) -> tuple[Mesh, tuple[str, ...]]:
+    """What :func:`read_mesh` gives, of a file that is read already; the path is for messages."""
     scale, note = _scale(file, unit)
     notes = [note] if note else []
     vertices, triangles = file.vertices * scale, file.triangles
