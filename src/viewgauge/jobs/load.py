@@ -94,6 +94,8 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
     An entry with two points adds a characteristic (or takes the place of the PMI's of the same id); an entry without
     changes the tolerance or observation of the PMI's; the general tolerance goes to characteristics that have none.
     """
+    from ..part import NotMeasurable
+
     characteristics = {characteristic.id: characteristic for characteristic in part.characteristics}
     not_measurable = {entry.id: entry for entry in part.not_measurable}
     notes = list(part.notes)
@@ -102,7 +104,12 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
             if entry.id in characteristics or entry.id in not_measurable:
                 notes.append(f"characteristic {entry.id}: the inspection file's two points replace the part's PMI")
                 not_measurable.pop(entry.id, None)
-            characteristics[entry.id] = _own_characteristic(entry, part, file)
+            own = _own_characteristic(entry, part, file)
+            if isinstance(own, NotMeasurable):
+                characteristics.pop(entry.id, None)
+                not_measurable[entry.id] = own
+            else:
+                characteristics[entry.id] = own
         elif entry.id in characteristics:
             characteristics[entry.id] = _changed(characteristics[entry.id], entry)
         elif entry.id not in not_measurable:
@@ -133,9 +140,9 @@ def _with_entries(part: Part, file: InspectionFile) -> Part:
     )
 
 
-def _own_characteristic(entry: CharacteristicEntry, part: Part, file: InspectionFile) -> Characteristic:
-    from ..part import Characteristic
-    from ..part.characteristics.point_pairs import measurand_on_mesh
+def _own_characteristic(entry: CharacteristicEntry, part: Part, file: InspectionFile) -> Characteristic | NotMeasurable:
+    from ..part import Characteristic, NotMeasurable
+    from ..part.characteristics.point_pairs import measurand_on_mesh, missing_edge
 
     assert entry.ends_mm is not None  # the caller's condition
     try:
@@ -150,6 +157,8 @@ def _own_characteristic(entry: CharacteristicEntry, part: Part, file: Inspection
             expected=error.expected,
             hint=error.hint,
         ) from error
+    if reason := missing_edge(measurand):
+        return NotMeasurable(entry.id, "measurand", reason, measurand.length_mm, entry.tolerance_mm)
     return Characteristic(
         entry.id, "measurand", measurand.length_mm, entry.tolerance_mm, (measurand,), entry.observed or "ends"
     )
