@@ -56,9 +56,7 @@ def load(
     part_path = Path(part) if part is not None else text.part_file
     if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
         raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")
-    with nullcontext() if part_path is None else reading_part(
-        part_path, chord_error_mm, text.part_unit
-    ) as finish:
+    with nullcontext() if part_path is None else reading_part(part_path, chord_error_mm, text.part_unit) as finish:
         from ..formats.inspection.inspection_file import read_inspection_file
 
         file = read_inspection_file(text)

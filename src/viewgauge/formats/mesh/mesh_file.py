@@ -106,9 +106,7 @@ def _joined(pieces: list[_Piece]) -> _Piece:
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
-def _require_usable(
-    path: str | os.PathLike[str], vertices: NDArray[np.float64], triangles: NDArray[np.int64]
-) -> None:
+def _require_usable(path: str | os.PathLike[str], vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> None:
     if not len(triangles):
         raise PartFileError(
             "the mesh has no triangles",

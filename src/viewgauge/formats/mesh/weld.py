@@ -62,4 +62,5 @@ def _clusters(places: NDArray[np.float64], distance: float) -> NDArray[np.int64]
 
     pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(places),) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    number: NDArray[np.int64] = np.asarray(connected_components(graph, directed=False)[1]).astype(np.int64)
+    return number
