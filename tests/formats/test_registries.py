@@ -47,7 +47,7 @@ class Triangle:
     name, suffixes = "a triangle", (".tri",)
 
     @contextmanager
-    def reading(self, path, chord_error_mm):  # noqa: ARG002 - as the protocol has it
+    def reading(self, path, chord_error_mm, unit):  # noqa: ARG002 - as the protocol has it
         yield lambda: Part(path.stem, Mesh(np.eye(3), np.array([[0, 1, 2]])), ())
 
 
@@ -56,7 +56,7 @@ def test_a_part_file(tmp_path):
     with reading_part(path) as finish, pytest.raises(PartFileError, match="is not known") as caught:
         finish()
     assert caught.value.expected == (
-        "STEP (.stp, .step, .p21, .stpz, .stp.gz, .step.gz, .p21.gz) or a mesh (.stl, .ply, .obj)"
+        "STEP (.stp, .step, .p21, .stpz, .stp.gz, .step.gz, .p21.gz) or a mesh (.stl, .ply, .obj, .3mf, .glb)"
     )
     with registered(PART_FORMATS, Triangle()), reading_part(path) as finish:
         assert finish().name == "one"

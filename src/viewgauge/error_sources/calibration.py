@@ -65,7 +65,7 @@ class Calibration(ErrorSource):
         """
         lens = camera.lens or _PINHOLE
         n, pitch = len(images), np.asarray(camera.pixel_pitch_mm)
-        focal = np.broadcast_to(camera.focal_length_mm / pitch, (n, 2))  # px
+        focal = np.broadcast_to(camera.principal_distance_mm / pitch, (n, 2))  # px
         centre = np.broadcast_to(np.asarray(camera.principal_point), (n, 2))
         parameters = np.tile(lens.parameters, (n, 1))
         if drawn is not None:
@@ -74,7 +74,7 @@ class Calibration(ErrorSource):
             parameters[:, 1 : 1 + deviations.shape[1] - 4] += deviations[:, 4:]
         px = np.empty_like(images)
         for end in range(2):
-            px[:, end] = focal * distort_each(parameters, images[:, end] / camera.focal_length_mm) + centre
+            px[:, end] = focal * distort_each(parameters, images[:, end] / camera.principal_distance_mm) + centre
         return px
 
 

@@ -95,7 +95,7 @@ class Acquisitions:
         if (length == 0).any():
             raise InputError("a measurand that is seen end-on has no image length to measure", key="points")
         direction = delta / length[:, None]
-        J = point_jacobian(ends, camera.focal_length_mm)
+        J = point_jacobian(ends, camera.principal_distance_mm)
         at_camera = np.einsum("nk,nkp->np", direction, J[:, 1] - J[:, 0])
         scale = (
             np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / length

@@ -88,7 +88,7 @@ class _Parameters:
     def __init__(self, camera: Camera) -> None:
         edge_detector = camera.edge_detector
         self.lens = (camera.lens or Lens("radial-tangential", (0.0, 0.0, 0.0, 0.0))).parameters
-        steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
+        steps = np.asarray(camera.quantization_step_mm) / camera.principal_distance_mm
         point = end = fits = bias = 0.0
         if edge_detector is not None:
             point = edge_detector.noise_px**2
@@ -130,7 +130,7 @@ def camera_errors(
         axes[:] = np.broadcast_to(rim_axis, (*shape, 3)).reshape(-1, 3)
     terms = np.zeros((len(flat), _GRADIENT + _MOST))
     _segment_terms(flat, axes, parameters.values, parameters.lens, parameters.calibrated, terms)
-    f, q = camera.focal_length_mm, len(parameters.covariance)
+    f, q = camera.principal_distance_mm, len(parameters.covariance)
     own = f**2 * terms[:, _OWN].reshape(shape)
     known = CameraErrors(
         f * terms[:, :_OWN].reshape(*shape, 2),
@@ -194,7 +194,7 @@ class PairCameraErrors:
             points = _points_of_pairs(views, viewpoint[seen], self._points[measurand[seen]])
             for error in self._further:
                 out[2, seen] += (
-                    np.asarray(error.deviation_mm(points, self._camera)) / self._camera.focal_length_mm
+                    np.asarray(error.deviation_mm(points, self._camera)) / self._camera.principal_distance_mm
                 ) ** 2
         return out
 

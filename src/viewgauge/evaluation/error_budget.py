@@ -170,7 +170,7 @@ def error_budget(
     seen = in_front & (image_length > _END_ON_MM)
     length = np.where(seen, image_length, 1.0)
     direction = np.where(seen[..., None], delta, [1.0, 0.0]) / length[..., None]
-    J_camera = point_jacobian(points, camera.focal_length_mm)
+    J_camera = point_jacobian(points, camera.principal_distance_mm)
     J_pose = np.einsum("...k,...kp->...p", direction, J_camera[..., 1, :, :] - J_camera[..., 0, :, :]) @ error.adjoint
     own = camera_errors(points, camera, rim_axis)
     sources = _Sources(sources_of(camera), camera, error)

@@ -87,7 +87,7 @@ class _ExactLength:
         self.pose, self.factor = error.T_camera_frame, error.factor
         self.length_mm = np.linalg.norm(np.diff(camera.project(points), axis=-2)[:, 0], axis=-1)[:, None, None]
         self.ends = transform(invert(self.pose), points)  # pose error frame
-        self.focal, self.steps = camera.focal_length_mm, location_deviations(points, camera)[:, None, None]
+        self.focal, self.steps = camera.principal_distance_mm, location_deviations(points, camera)[:, None, None]
 
     def __call__(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         twist = normals[..., :6] @ self.factor.T

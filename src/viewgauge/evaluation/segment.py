@@ -125,7 +125,7 @@ def image_segment(
     length = np.hypot(delta[..., 0], delta[..., 1])
     angle = np.arctan2(delta[..., 1], delta[..., 0])
     direction = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    J = point_jacobian(points, camera.focal_length_mm)
+    J = point_jacobian(points, camera.principal_distance_mm)
     covariance = error.camera_covariance
     independent = None
     if method == "joint":
@@ -136,7 +136,7 @@ def image_segment(
         point_variance = np.einsum("...p,pq,...q->...", J, covariance, J)
         variance = (direction**2 * point_variance.sum(axis=-2)).sum(axis=-1)
         independent = SegmentDisplacement.independent(
-            points[..., 0, :], points[..., 1, :], camera.focal_length_mm, covariance
+            points[..., 0, :], points[..., 1, :], camera.principal_distance_mm, covariance
         )
     else:
         raise InputError("unknown method", key="method", got=method, expected="joint or independent")

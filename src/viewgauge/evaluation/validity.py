@@ -149,7 +149,7 @@ def _flat(
 
 def _sizes(points: NDArray[np.float64], camera: Camera, error: PoseError) -> _Sizes:
     camera_factor = error.adjoint @ error.factor
-    J = point_jacobian(points, camera.focal_length_mm) @ camera_factor
+    J = point_jacobian(points, camera.principal_distance_mm) @ camera_factor
     image = np.diff(camera.project(points), axis=-2)[:, 0]
     length = np.hypot(image[:, 0], image[:, 1])
     angle = np.arctan2(image[:, 1], image[:, 0])

@@ -35,13 +35,17 @@ class PartFormat(Protocol):
         """In lower case, with their point."""
         ...
 
-    def reading(self, path: Path, chord_error_mm: float | None) -> AbstractContextManager[Callable[[], Part]]:
+    def reading(
+        self, path: Path, chord_error_mm: float | None, unit: str | None
+    ) -> AbstractContextManager[Callable[[], Part]]:
         """Begin to read a part; what the block is given gives the part, or raises PartFileError.
 
         Parameters
         ----------
         chord_error_mm
             How far the mesh of a CAD part may be from its curved faces; None to choose it by the part's size.
+        unit
+            Of the file's lengths as the user states it, such as "inch"; None where they do not.
         """
         ...
 
@@ -50,7 +54,9 @@ PART_FORMATS: SuffixRegistry[PartFormat] = SuffixRegistry(StepPart(), MeshPart()
 
 
 @contextmanager
-def reading_part(path: Path, chord_error_mm: float | None = None) -> Iterator[Callable[[], Part]]:
+def reading_part(
+    path: Path, chord_error_mm: float | None = None, unit: str | None = None
+) -> Iterator[Callable[[], Part]]:
     """Begin to read a part file; the block has time for other work until it calls what it is given.
 
     That call gives the part, or raises PartFileError for whatever is wrong with it, a kind that is not known too.
@@ -59,7 +65,7 @@ def reading_part(path: Path, chord_error_mm: float | None = None) -> Iterator[Ca
     if found is None:
         yield lambda: _refuse(path)
     else:
-        with found.reading(path, chord_error_mm) as finish:
+        with found.reading(path, chord_error_mm, unit) as finish:
             yield finish
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numba
 import numpy as np
@@ -20,13 +21,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
 
-__all__ = ["COEFFICIENTS", "Lens", "coefficient_derivatives", "distort_each", "distorted"]
+__all__ = ["COEFFICIENTS", "WIDEST_TANGENT", "Lens", "coefficient_derivatives", "distort_each", "distorted"]
 
 COEFFICIENTS = {
     "radial-tangential": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"),
     "equidistant": ("k1", "k2", "k3", "k4"),
 }
 """Names of each model's coefficients, in order."""
+
+WIDEST_TANGENT = math.tan(math.radians(89.0))
+"""Of the angle from the optical axis up to which a lens is used: at 90 deg a point in front has no ideal image."""
 
 _COUNTS = {"radial-tangential": (4, 5, 8, 12), "equidistant": (4,)}
 _MOST = 12
@@ -81,6 +85,14 @@ class Lens:
         parameters[1 : 1 + len(self.coefficients)] = self.coefficients
         return parameters
 
+    @property
+    def field_tangent(self) -> float:
+        """Tangent of the angle from the optical axis up to which the lens shows each direction in a place of its own.
+
+        It is at most that of 89 deg, and the least of all directions around the axis.
+        """
+        return _field_tangent(self)
+
     def distort(self, points: ArrayLike) -> NDArray[np.float64]:
         """``(..., 2)``: where the lens puts points ``(..., 2)``."""
         return self._each(points)[..., :2]
@@ -113,6 +125,30 @@ class Lens:
         out = np.empty((p.size // 2, 6))
         _distorted(self.parameters, np.ascontiguousarray(p.reshape(-1, 2)), out)
         return out.reshape(*p.shape[:-1], 6)
+
+
+@lru_cache(maxsize=64)
+def _field_tangent(lens: Lens) -> float:
+    around = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+    direction = np.stack([np.cos(around), np.sin(around)], axis=-1)
+    widest = math.atan(WIDEST_TANGENT)
+
+    def grows(angle: NDArray[np.float64]) -> NDArray[np.bool_]:
+        J = lens.jacobian(np.tan(angle)[..., None] * direction)
+        return np.asarray((np.linalg.det(J) > 0) & (np.trace(J, axis1=-2, axis2=-1) > 0))
+
+    angles = np.linspace(0.0, widest, 891)
+    ok = np.array([grows(np.full(len(around), angle)) for angle in angles])  # (891, 72)
+    turns = ~ok.all(axis=0)
+    if not turns.any():
+        return WIDEST_TANGENT
+    first = np.where(turns, (~ok).argmax(axis=0), len(angles) - 1)
+    inner, outer = angles[np.maximum(first - 1, 0)], angles[first]
+    for _ in range(40):
+        middle = (inner + outer) / 2
+        shown = grows(middle)
+        inner, outer = np.where(shown, middle, inner), np.where(shown, outer, middle)
+    return math.tan(float(np.where(turns, inner, widest).min()))
 
 
 def distort_each(parameters: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -38,7 +38,7 @@ def read_calibration(path: str | os.PathLike[str], name: str | None = None) -> C
     if name is not None:
         raise InspectionFileError("an inspection has one camera", file=path, got=name, hint="leave the name out")
     camera = read_inspection_file(path).setup.camera
-    focal = [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm]
+    focal = [camera.principal_distance_mm / pitch for pitch in camera.pixel_pitch_mm]
     return CameraFile(
         "inspection file",
         (focal[0], focal[1]),

@@ -59,7 +59,7 @@ def load(
     part_path = Path(part) if part is not None else text.part_file
     if chord_error_mm is not None and not (math.isfinite(chord_error_mm) and chord_error_mm > 0):
         raise InputError("must be a positive length", key="chord_error", got=f"{chord_error_mm} mm")
-    with nullcontext() if part_path is None else reading_part(part_path, chord_error_mm) as finish:
+    with nullcontext() if part_path is None else reading_part(part_path, chord_error_mm, text.part_unit) as finish:
         from ..formats.inspection.inspection_file import read_inspection_file
 
         file = read_inspection_file(text)
@@ -158,9 +158,9 @@ def _next_step(part: Part) -> str:
     )
 
 
-def _own_characteristic(entry: CharacteristicEntry, part: Part, file: InspectionFile) -> Characteristic:
-    from ..part import Characteristic
-    from ..part.characteristics.point_pairs import measurand_on_mesh
+def _own_characteristic(entry: CharacteristicEntry, part: Part, file: InspectionFile) -> Characteristic | NotMeasurable:
+    from ..part import Characteristic, NotMeasurable
+    from ..part.characteristics.point_pairs import measurand_on_mesh, missing_edge
 
     assert entry.ends_mm is not None  # the caller's condition
     try:
@@ -175,6 +175,8 @@ def _own_characteristic(entry: CharacteristicEntry, part: Part, file: Inspection
             expected=error.expected,
             hint=error.hint,
         ) from error
+    if reason := missing_edge(measurand):
+        return NotMeasurable(entry.id, "measurand", reason, measurand.length_mm, entry.tolerance_mm)
     return Characteristic(
         entry.id, "measurand", measurand.length_mm, entry.tolerance_mm, (measurand,), entry.observed or "ends"
     )

@@ -44,7 +44,7 @@ class Part:
     pmi_counts
         Number of toleranced records in the part's file by kind, counted in its text apart from the reader.
     findings
-        What is implausible in the part's file.
+        What is implausible about the part or its file, such as its size.
     """
 
     name: str

@@ -6,6 +6,7 @@ A sensor is one file with a class that fulfils :class:`Sensor`.
 from .base import Sensor
 from .camera import Camera
 from .edge_detector import EdgeDetector
+from .usable_region import ImageCircle, ImagePolygon, UsableRegion
 from .window import Window
 
-__all__ = ["Camera", "EdgeDetector", "Sensor", "Window"]
+__all__ = ["Camera", "EdgeDetector", "ImageCircle", "ImagePolygon", "Sensor", "UsableRegion", "Window"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Protocol
 
@@ -12,10 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..exceptions import InputError
 from ..geometry.image_jacobian import point_jacobian
-from ..geometry.lens import Lens
+from ..geometry.lens import WIDEST_TANGENT, Lens
 from .edge_detector import EdgeDetector
+from .intrinsics_covariance import require_covariance
+from .usable_region import UsableRegion, depths_in_region
 
 __all__ = ["Camera", "FurtherError"]
+
+_LEAST_FIELD = 0.25  # of the image's shorter side, from the principal point
 
 
 def _finite_positive(name: str, value: float) -> None:
@@ -53,7 +57,8 @@ class Camera:
     Parameters
     ----------
     focal_length_mm
-        Distance from the centre of projection to the image plane, mm.
+        The lens's nominal focal length, mm. The distance from the centre of projection to the image plane is
+        :attr:`principal_distance_mm`, which follows from it and the focus distance.
     pixel_pitch_mm
         Width and height of a pixel, mm.
     resolution
@@ -65,8 +70,8 @@ class Camera:
         Where the optical axis meets the image, px ((0, 0) is the centre of the top-left pixel); by default
         the centre of the image.
     f_number, focus_distance_mm
-        Aperture and distance in focus (from the centre of projection, along the optical axis); both or none.
-        Without them everything is in focus.
+        Aperture, and distance in focus (from the centre of projection, along the optical axis). An aperture needs a
+        focus distance; without an aperture everything is in focus.
     blur_limit_px
         Largest diameter of the circle of confusion that counts as in focus, px.
     lens
@@ -78,6 +83,8 @@ class Camera:
         A sub-pixel edge detector, in place of quantization by ``edge_resolution_px``; None for the paper's.
     further_errors
         Errors of the image length beside these (:class:`~viewgauge.error_sources.LengthError`), of different names.
+    usable_region
+        Where in the image the camera is used; None for all of it.
     """
 
     focal_length_mm: float
@@ -92,6 +99,8 @@ class Camera:
     intrinsics_covariance: tuple[tuple[float, ...], ...] | None = None
     edge_detector: EdgeDetector | None = None
     further_errors: tuple[FurtherError, ...] = ()
+    usable_region: UsableRegion | None = None
+    _field_tangent: float = field(init=False, repr=False, compare=False, default=math.inf)
 
     def __post_init__(self) -> None:
         _finite_positive("focal_length_mm", self.focal_length_mm)
@@ -105,13 +114,16 @@ class Camera:
         if self.principal_point_px is not None:
             _two_numbers("principal_point_px", self.principal_point_px)
         _finite_positive("blur_limit_px", self.blur_limit_px)
-        if (self.f_number is None) != (self.focus_distance_mm is None):
-            raise InputError(
-                "an aperture needs a focus distance and the other way round",
-                got=f"f_number={self.f_number}, focus_distance_mm={self.focus_distance_mm}",
-            )
-        if self.f_number is not None and self.focus_distance_mm is not None:
+        if self.f_number is not None:
             _finite_positive("f_number", self.f_number)
+            if self.focus_distance_mm is None:
+                raise InputError(
+                    "an aperture needs a focus distance",
+                    key="focus_distance_mm",
+                    got=f"f_number={self.f_number} and no focus distance",
+                    hint="state the distance in focus as well",
+                )
+        if self.focus_distance_mm is not None:
             _finite_positive("focus_distance_mm", self.focus_distance_mm)
             if self.focus_distance_mm <= self.focal_length_mm:
                 raise InputError(
@@ -119,17 +131,29 @@ class Camera:
                     key="focus_distance_mm",
                     got=f"{self.focus_distance_mm} mm with a focal length of {self.focal_length_mm} mm",
                 )
+            _finite_positive("focus_distance_mm", self.principal_distance_mm)  # no number where nearly f
         if self.intrinsics_covariance is not None:
-            matrix = _require_covariance(self.intrinsics_covariance, 4 + self._coefficients)
+            matrix = require_covariance(self.intrinsics_covariance, 4 + self._coefficients)
             object.__setattr__(self, "intrinsics_covariance", matrix)
-        if self.lens is not None and not np.isfinite(self.from_pixels(self.border_px)).all():
+        if self.lens is not None:
+            object.__setattr__(self, "_field_tangent", self._limit_of_field(self.lens))
+
+    def _limit_of_field(self, lens: Lens) -> float:
+        """Largest tangent of an image direction that is used: infinite where the lens shows the whole image."""
+        image = lens.undistort((self.border_of_sensor_px - self.principal_point) * self.pitch_tangents)
+        if np.isfinite(image).all() and np.linalg.norm(image, axis=-1).max() <= WIDEST_TANGENT:
+            return math.inf
+        limit = lens.field_tangent
+        radius = _field_radius_px(lens, limit, self.pitch_tangents)
+        if not radius >= _LEAST_FIELD * min(self.resolution):
             raise InputError(
                 "the lens puts two directions in one place of the image",
                 key="lens",
-                got=f"{self.lens.model} {list(self.lens.coefficients)}",
-                expected="distortion that grows outwards up to the corners of the image",
+                got=f"{lens.model} {list(lens.coefficients)}: it turns back {radius:.0f} px from the principal point",
+                expected="distortion that grows outwards over most of the image",
                 hint="the calibration's points may not reach the corners: calibrate with fewer coefficients",
             )
+        return limit
 
     @property
     def _coefficients(self) -> int:
@@ -147,8 +171,58 @@ class Camera:
         return replace(self, edge_resolution_px=0.0, intrinsics_covariance=None, edge_detector=None, further_errors=())
 
     @property
+    def principal_distance_mm(self) -> float:
+        """Distance from the centre of projection to the image plane, mm: c = f u/(u - f), focused at u (thin lens).
+
+        It is the focal length where no focus distance is given.
+
+        References
+        ----------
+        Ray, *Applied Photographic Optics*, 3rd ed., ch. 4.
+        """
+        if self.focus_distance_mm is None:
+            return self.focal_length_mm
+        return self.focal_length_mm / (1 - self.focal_length_mm / self.focus_distance_mm)
+
+    @property
+    def field_tangent(self) -> float:
+        """Tangent of the largest angle from the optical axis that is used; infinite where the whole image is.
+
+        A lens is used only as far as its model gives each place of the image one direction, below 90 deg.
+        """
+        return self._field_tangent
+
+    @property
+    def field_radius_px(self) -> float | None:
+        """Distance from the principal point within which the image is used, px; None where the whole image is."""
+        if self.lens is None or not math.isfinite(self._field_tangent):
+            return None
+        return _field_radius_px(self.lens, self._field_tangent, self.pitch_tangents)
+
+    def is_used(self, pixels: ArrayLike) -> NDArray[np.bool_]:
+        """``(...)``: whether places ``(..., 2)`` px lie in the usable region, were the image larger."""
+        places = np.asarray(pixels, dtype=float)
+        if self.usable_region is None:
+            return np.ones(places.shape[:-1], dtype=bool)
+        return np.asarray(depths_in_region(self.usable_region, places) >= 0)
+
+    @property
     def border_px(self) -> NDArray[np.float64]:
-        """``(n, 2)`` px: points around the border of the image."""
+        """``(n, 2)`` px: points around the border of the image, nearer where the lens shows less than all of it."""
+        border = self.border_of_sensor_px
+        if not math.isfinite(self._field_tangent):
+            return border
+        centre = np.asarray(self.principal_point)
+        inner, outer = np.zeros((len(border), 1)), np.ones((len(border), 1))
+        for _ in range(40):  # bisection along the rays from the principal point
+            middle = (inner + outer) / 2
+            shown = np.isfinite(self.from_pixels(centre + middle * (border - centre))).all(axis=-1, keepdims=True)
+            inner, outer = np.where(shown, middle, inner), np.where(shown, outer, middle)
+        return np.asarray(centre + inner * (border - centre))
+
+    @property
+    def border_of_sensor_px(self) -> NDArray[np.float64]:
+        """``(n, 2)`` px: points around the border of all pixels."""
         columns, rows = self.resolution
         along = np.linspace(0.0, 1.0, 33)
         zero, one = np.zeros_like(along), np.ones_like(along)
@@ -158,7 +232,7 @@ class Camera:
     @property
     def pitch_tangents(self) -> NDArray[np.float64]:
         """``(2,)``: width and height of a pixel, in tangents of image directions."""
-        return np.asarray(self.pixel_pitch_mm) / self.focal_length_mm
+        return np.asarray(self.pixel_pitch_mm) / self.principal_distance_mm
 
     @property
     def principal_point(self) -> tuple[float, float]:
@@ -179,7 +253,7 @@ class Camera:
     def half_field_of_view_rad(self) -> tuple[float, float]:
         """Half the angle of view along u and v, rad, for a centred principal point."""
         u, v = (
-            float(np.arctan(n * pitch / 2 / self.focal_length_mm))
+            float(np.arctan(n * pitch / 2 / self.principal_distance_mm))
             for n, pitch in zip(self.resolution, self.pixel_pitch_mm, strict=True)
         )
         return (u, v)
@@ -199,20 +273,22 @@ class Camera:
         p = np.asarray(points, dtype=float)
         depth = p[..., 2:3]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(depth > 0, self.focal_length_mm * p[..., :2] / depth, np.nan)
+            return np.where(depth > 0, self.principal_distance_mm * p[..., :2] / depth, np.nan)
 
     def to_pixels(self, image_mm: ArrayLike) -> NDArray[np.float64]:
         """Pixel coordinates ``(..., 2)`` px in which the lens shows ideal image points ``(..., 2)`` mm."""
         image = np.asarray(image_mm, dtype=float)
         if self.lens is not None:
-            image = self.lens.distort(image / self.focal_length_mm) * self.focal_length_mm
+            image = self.lens.distort(image / self.principal_distance_mm) * self.principal_distance_mm
         return np.asarray(image / np.asarray(self.pixel_pitch_mm) + np.asarray(self.principal_point))
 
     def from_pixels(self, pixels: ArrayLike) -> NDArray[np.float64]:
         """Ideal image points ``(..., 2)`` mm of pixel coordinates ``(..., 2)`` px; NaN where the lens shows nothing."""
         image = (np.asarray(pixels, dtype=float) - np.asarray(self.principal_point)) * np.asarray(self.pixel_pitch_mm)
         if self.lens is not None:
-            image = self.lens.undistort(image / self.focal_length_mm) * self.focal_length_mm
+            tangents = self.lens.undistort(image / self.principal_distance_mm)
+            beyond = np.linalg.norm(tangents, axis=-1, keepdims=True) > self._field_tangent
+            image = np.where(beyond, np.nan, tangents) * self.principal_distance_mm
         return np.asarray(image)
 
     def pixel_jacobian(self, image_mm: ArrayLike) -> NDArray[np.float64]:
@@ -220,7 +296,7 @@ class Camera:
         image = np.asarray(image_mm, dtype=float)
         J = np.broadcast_to(np.diag(1 / np.asarray(self.pixel_pitch_mm)), (*image.shape[:-1], 2, 2))
         if self.lens is not None:
-            J = J @ self.lens.jacobian(image / self.focal_length_mm)
+            J = J @ self.lens.jacobian(image / self.principal_distance_mm)
         return np.asarray(J)
 
     def pose_jacobian(self, points: ArrayLike) -> NDArray[np.float64]:
@@ -241,7 +317,7 @@ class Camera:
         """
         p = np.asarray(points, dtype=float)
         with np.errstate(divide="ignore", invalid="ignore"):
-            J = point_jacobian(p, self.focal_length_mm)
+            J = point_jacobian(p, self.principal_distance_mm)
         return np.where(p[..., 2, None, None] > 0, J, np.nan)
 
     def pose_jacobian_px(self, points: ArrayLike) -> NDArray[np.float64]:
@@ -257,7 +333,7 @@ class Camera:
         camera frame; directions are NaN where the lens shows nothing.
         """
         image = self.from_pixels(pixels)
-        depth = np.full((*image.shape[:-1], 1), self.focal_length_mm)
+        depth = np.full((*image.shape[:-1], 1), self.principal_distance_mm)
         along = np.concatenate([image, depth], axis=-1)
         return np.zeros_like(along), along / np.linalg.norm(along, axis=-1, keepdims=True)
 
@@ -276,34 +352,25 @@ class Camera:
         Ray, *Applied Photographic Optics*, 3rd ed., ch. 22.
         """
         depth = np.asarray(depth_mm, dtype=float)
-        if self.f_number is None or self.focus_distance_mm is None:
+        scale = self.blur_at_infinity_px
+        if self.focus_distance_mm is None or scale == 0:
             return np.zeros_like(depth)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            blur = scale * np.abs(depth - self.focus_distance_mm) / depth
+        return np.where(depth > 0, blur, np.inf)
+
+    @property
+    def blur_at_infinity_px(self) -> float:
+        """Diameter of the circle of confusion of a point at infinity, px: (f/N) · f/(Zf − f); 0 without an aperture."""
+        if self.f_number is None or self.focus_distance_mm is None:
+            return 0.0
         aperture_mm = self.focal_length_mm / self.f_number
         magnification = self.focal_length_mm / (self.focus_distance_mm - self.focal_length_mm)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            blur_mm = aperture_mm * np.abs(depth - self.focus_distance_mm) / depth * magnification
-        return np.where(depth > 0, blur_mm / min(self.pixel_pitch_mm), np.inf)
+        return aperture_mm * magnification / min(self.pixel_pitch_mm)
 
 
-def _require_covariance(matrix: object, size: int) -> tuple[tuple[float, ...], ...]:
-    """Nested tuples of a covariance, or InputError."""
-    expected = f"{size} rows of {size} numbers: the covariance of fx, fy, cx, cy and the lens's coefficients"
-    try:
-        values = np.asarray(matrix, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError("not a matrix", key="intrinsics_covariance", got=matrix, expected=expected) from None
-    if values.shape != (size, size) or not np.isfinite(values).all():
-        got = f"shape {values.shape}" if np.isfinite(values).all() else "numbers that are not finite"
-        raise InputError("not a covariance", key="intrinsics_covariance", got=got, expected=expected)
-    deviation = np.sqrt(np.maximum(values.diagonal(), 0.0))
-    scale = np.where(deviation > 0, deviation, 1.0)
-    correlation = values / np.outer(scale, scale)
-    if (values.diagonal() < 0).any():
-        got = values.diagonal().tolist()
-        raise InputError("not a covariance: a negative variance", key="intrinsics_covariance", got=got)
-    if np.abs(correlation - correlation.T).max() > 1e-6:
-        expected = "equal entries on both sides of the diagonal"
-        raise InputError("not a covariance: not symmetric", key="intrinsics_covariance", expected=expected)
-    if float(np.linalg.eigvalsh((correlation + correlation.T) / 2)[0]) < -1e-6:
-        raise InputError("not a covariance: some combination has a negative variance", key="intrinsics_covariance")
-    return tuple(tuple(float(value) for value in row) for row in (values + values.T) / 2)
+def _field_radius_px(lens: Lens, tangent: float, pitch_tangents: NDArray[np.float64]) -> float:
+    """Smallest distance from the principal point at which a lens shows directions of a tangent, px."""
+    angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
+    places = lens.distort(tangent * np.stack([np.cos(angle), np.sin(angle)], axis=-1)) / pitch_tangents
+    return float(np.linalg.norm(places, axis=-1).min())

@@ -148,7 +148,7 @@ def displaced_images(
     for end in ends:
         x, y, z = turned[:, 0] * end[0] + turned[:, 1] * end[1] + turned[:, 2] * end[2] + shifted
         with np.errstate(divide="ignore"):
-            magnification = np.where(z > 0, camera.focal_length_mm / z, np.nan)
+            magnification = np.where(z > 0, camera.principal_distance_mm / z, np.nan)
         images.append((x * magnification, y * magnification))
     return images
 

@@ -112,9 +112,10 @@ class Renderer:
         step = max(_RAYS_AT_ONCE // rays, 1)
         for first in range(0, len(pixels), step):
             some = pixels[first : first + step, None] + offsets
-            image = camera.from_pixels(some) / camera.focal_length_mm
+            image = camera.from_pixels(some) / camera.principal_distance_mm
             sight = np.concatenate([image, np.ones((*image.shape[:2], 1))], axis=-1).reshape(-1, 3)
-            shown = np.isfinite(sight).all(axis=1)  # the lens may show nothing just outside the image
+            shown = np.isfinite(sight).all(axis=1)  # the lens may show nothing in corners, or just outside the image
+            shown &= camera.is_used(some).reshape(-1)
             direction = (np.where(shown[:, None], sight, 1.0) @ T_part_camera[:3, :3].T).astype(np.float32)
             hit = self._scene.run(np.broadcast_to(origin, direction.shape).copy(), direction)
             hit = np.where(shown, hit, -1)

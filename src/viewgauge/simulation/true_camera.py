@@ -19,8 +19,8 @@ def true_camera(camera: Camera, rng: np.random.Generator) -> Camera:
         return camera
     factor = covariance_factor(np.array(camera.intrinsics_covariance))
     drawn = factor @ rng.standard_normal(len(factor))
-    focal = camera.focal_length_mm / np.asarray(camera.pixel_pitch_mm) + drawn[:2]
-    pitch_u, pitch_v = camera.focal_length_mm / focal
+    focal = camera.principal_distance_mm / np.asarray(camera.pixel_pitch_mm) + drawn[:2]
+    pitch_u, pitch_v = camera.principal_distance_mm / focal
     centre_u, centre_v = np.asarray(camera.principal_point) + drawn[2:4]
     lens = camera.lens
     if lens is not None:

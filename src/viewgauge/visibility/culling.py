@@ -12,6 +12,7 @@ from ..geometry import VIEWS
 from ..geometry.lens import distorted
 from ..part.measurand_table import MeasurandTable
 from ..sensors import Camera
+from ..sensors.usable_region import depth_in_region
 from .limits import ObservationLimits
 
 __all__ = ["OCCLUDED", "REASONS", "VISIBLE", "Culling"]
@@ -37,19 +38,21 @@ class Culling:
         self._normals = np.ascontiguousarray(measurands.normals)
         there = (measurands.normals != 0).any(axis=-1)  # what follows the last is padding
         self._normal_count = (there * np.arange(1, there.shape[-1] + 1)).max(axis=-1, initial=0)
-        focal, low = camera.focal_length_mm, limits.margin_px - 0.5
+        focal, low = camera.principal_distance_mm, limits.margin_px - 0.5
         scale = focal / np.asarray(camera.pixel_pitch_mm)
         centre, high = np.asarray(camera.principal_point), np.asarray(camera.resolution) - 0.5 - limits.margin_px
         corner = (low - centre) / scale, (high - centre) / scale
         self._lens = camera.lens
         if camera.lens is not None:  # a rectangle around what the lens shows, and the exact test for what is in it
-            self._in_image = np.array([*corner[0], *corner[1]])
+            self._in_image = np.array([*corner[0], *corner[1], camera.field_tangent])
             border = camera.from_pixels(camera.border_px) / focal
             slack = _WIDER * np.ptp(border, axis=0)
             corner = border.min(axis=0) - slack, border.max(axis=0) + slack
-        blur = 0.0  # px times depth over distance from the plane in focus
-        if camera.f_number is not None and camera.focus_distance_mm is not None:
-            blur = focal / camera.f_number * focal / (camera.focus_distance_mm - focal) / min(camera.pixel_pitch_mm)
+        self._shown: tuple[NDArray[np.float64], ...] | None = None
+        if camera.usable_region is not None:
+            lens = np.zeros(13) if camera.lens is None else camera.lens.parameters
+            place = np.array([*scale, *centre, limits.margin_px])
+            self._shown = lens, place, camera.usable_region.parameters
         # as multiples of the tangents of the image directions: (px - principal point) / scale
         self._parameters = np.array(
             [
@@ -58,7 +61,7 @@ class Culling:
                 *scale,
                 np.sin(limits.grazing_angle_rad),
                 limits.minimum_length_px,
-                blur,
+                camera.blur_at_infinity_px,  # times distance from the plane in focus over depth
                 camera.focus_distance_mm or 0.0,
                 camera.blur_limit_px,
             ]
@@ -76,6 +79,8 @@ class Culling:
         _reasons(views, count, self._points, self._normals, self._normal_count, self._parameters, reason)
         if self._lens is not None:
             _outside_lens(views, count, self._points, self._lens.parameters, self._in_image, reason)
+        if self._shown is not None:
+            _outside_region(views, count, self._points, *self._shown, reason)
         return reason
 
 
@@ -169,5 +174,38 @@ def _outside_lens(views, count, points, lens, inside, reason):  # type: ignore[n
                 )
                 u, v, a, b, c, d = distorted(lens, X / Z, Y / Z)
                 folded = not (a * d - b * c > 0.0 and a + d > 0.0)
+                folded = folded or inside[4] * inside[4] * Z * Z < X * X + Y * Y
                 if folded or not (inside[0] <= u <= inside[2] and inside[1] <= v <= inside[3]):
+                    reason[g, s] = _OUT_OF_VIEW
+
+
+@numba.njit(
+    "void(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], float64[::1], int8[:,::1])",
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def _outside_region(views, count, points, lens, place, region, reason):  # type: ignore[no-untyped-def]
+    """Mark as out of view what is in front of the camera and in the image, but outside the usable region."""
+    for g in range(len(points)):
+        for s in range(count):
+            if reason[g, s] == _BEHIND or reason[g, s] == _OUT_OF_VIEW:
+                continue
+            for end in range(2):
+                x, y, z = points[g, end, 0], points[g, end, 1], points[g, end, 2]
+                X = views[s] * x + views[VIEWS + s] * y + views[2 * VIEWS + s] * z + views[9 * VIEWS + s]
+                Y = (
+                    views[3 * VIEWS + s] * x
+                    + views[4 * VIEWS + s] * y
+                    + views[5 * VIEWS + s] * z
+                    + views[10 * VIEWS + s]
+                )
+                Z = (
+                    views[6 * VIEWS + s] * x
+                    + views[7 * VIEWS + s] * y
+                    + views[8 * VIEWS + s] * z
+                    + views[11 * VIEWS + s]
+                )
+                u, v, _, _, _, _ = distorted(lens, X / Z, Y / Z)
+                if depth_in_region(region, place[2] + place[0] * u, place[3] + place[1] * v) < place[4]:
                     reason[g, s] = _OUT_OF_VIEW

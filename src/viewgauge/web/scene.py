@@ -145,7 +145,7 @@ class Scene:
         columns, rows = camera.resolution
         height = rows * camera.pixel_pitch_mm[1]
         aspect = columns * camera.pixel_pitch_mm[0] / height
-        fov = 2 * float(np.arctan2(height / 2, camera.focal_length_mm))
+        fov = 2 * float(np.arctan2(height / 2, camera.principal_distance_mm))
         colours = colours_of(answers.viewpoints)
         with self._client.atomic():
             for name in set(self._frusta) - set(answers.viewpoints):

@@ -52,7 +52,7 @@ class ProbabilityKernel:
         self._tolerance = np.ascontiguousarray(tolerance, dtype=float)
         factor = (error.adjoint @ error.factor)[:5]
         R = np.asarray(np.linalg.qr(factor.T, mode="r"))
-        steps = np.asarray(camera.quantization_step_mm) / camera.focal_length_mm
+        steps = np.asarray(camera.quantization_step_mm) / camera.principal_distance_mm
         self._parameters = np.array([*R[np.triu_indices(5)], *steps])
         self._camera = None if camera.is_plain else PairCameraErrors(measurands, camera)
 

@@ -53,7 +53,7 @@ class PairColumns:
     def __init__(self, measurands: MeasurandTable, camera: Camera, error: PoseError) -> None:
         self._points = np.ascontiguousarray(measurands.points)
         self._covariance = np.ascontiguousarray(error.camera_covariance)
-        focal = camera.focal_length_mm
+        focal = camera.principal_distance_mm
         steps = np.asarray(camera.quantization_step_mm) / focal
         self._parameters = np.array([*steps, *(focal / np.asarray(camera.pixel_pitch_mm))])
         self._camera = None if camera.is_plain else PairCameraErrors(measurands, camera)

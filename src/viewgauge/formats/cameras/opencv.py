@@ -38,7 +38,7 @@ def write_opencv_camera(path: str | os.PathLike[str], camera: Camera | CameraFil
         If the place cannot be written to.
     """
     if isinstance(camera, Camera):
-        focal = [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm]
+        focal = [camera.principal_distance_mm / pitch for pitch in camera.pixel_pitch_mm]
         centre, covariance = camera.principal_point, camera.intrinsics_covariance
     else:
         focal, centre, covariance = list(camera.focal_length_px), camera.principal_point_px, camera.covariance

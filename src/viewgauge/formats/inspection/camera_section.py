@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Any, ClassVar, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -17,6 +17,8 @@ from ..cameras.camera_file import CameraFile
 from ..cameras.camera_formats import read_camera_file
 from .edge_detector_section import EdgeDetectorSection
 from .inspection_text import InspectionText
+from .optics_findings import camera_findings
+from .usable_region_section import UsableRegionSection, read_usable_region
 from .validation import build, validate
 from .values import (
     Apart,
@@ -93,11 +95,22 @@ class _CameraSection(Section):
         default=None, description="the aperture, such as 8; with focus_distance. By default all is in focus"
     )
     focus_distance: Length | None = Field(
-        default=None, description="the distance in focus, such as 300 mm; with f_number"
+        default=None,
+        description="the distance in focus, from the lens, such as 300 mm; the principal distance follows from it",
     )
     blur_limit: Pixels = Field(
         default=1.0, description="the largest circle of confusion that counts as in focus, by default 1 px"
     )
+    usable_region: Annotated[Any, Apart(UsableRegionSection)] = Field(
+        default=None, description="the part of the image that is used; by default all of it"
+    )
+    shutter: Literal["global", "rolling"] = Field(
+        default="global", description="global (the default); rolling is not modelled, and a warning says so"
+    )
+    colour_filter: Literal["none", "bayer"] = Field(
+        default="none", description="none (the default); bayer is not modelled, and a warning says so"
+    )
+    telecentric: Annotated[Any, Elsewhere()] = None  # a message says that it is not modelled
 
     _key_of: ClassVar[dict[str, str]]
     """The keys of the file for what :class:`Camera` calls otherwise."""
@@ -136,7 +149,7 @@ class CameraSection(_CameraSection):
 
     _key_of: ClassVar[dict[str, str]] = {"lens": "distortion"}
 
-    focal_length: Length = Field(description="the focal length: a length, such as 16 mm")
+    focal_length: Length = Field(description="the lens's nominal focal length: a length, such as 16 mm")
     resolution: Resolution = Field(description="the image's columns and rows, such as [2448, 2048]")
     principal_point: PixelPair | None = Field(
         default=None,
@@ -215,7 +228,10 @@ class CalibratedCameraSection(_CameraSection):
                 expected=f"fx times the width within {_PITCH:.0%} of fy times the height",
             )
         pitch = (width, width * fx / fy)
-        return Optics(fx * width, pitch, file.principal_point_px, file.lens, file.covariance)
+        distance = fx * width  # of the image plane: the calibration's own, which focusing does not change again
+        if self.focus_distance is not None:  # the nominal focal length by which the lens has it, focused there
+            distance = distance / (1 + distance / self.focus_distance)
+        return Optics(distance, pitch, file.principal_point_px, file.lens, file.covariance)
 
     def _resolution(self, file: CameraFile) -> tuple[int, int]:
         resolution = file.resolution or self.resolution
@@ -243,6 +259,16 @@ def read_camera(text: InspectionText) -> Camera | None:
     if "camera" not in text.sections:
         return None
     where, value, problems = ("camera",), text.sections["camera"], text.problems
+    if isinstance(value, dict) and "telecentric" in value:
+        problems.add(
+            (*where, "telecentric"),
+            "a telecentric lens is not modelled",
+            expected="a lens with a centre of projection: focal_length, or calibration",
+            hint="its image scale does not change with distance, so that depth errors of the pose would count for less "
+            "than with any focal length, and tilt errors for more; take what is predicted with a long focal length "
+            "and a long distance as a guide only",
+        )
+        return None
     uncertainty = _apart(text, "calibration_uncertainty", UncertaintySection)
     stated = _apart(text, "edge_detector", EdgeDetectorSection)
     edge_detector = build(stated.build, (*where, "edge_detector"), problems) if stated else None
@@ -262,7 +288,14 @@ def read_camera(text: InspectionText) -> Camera | None:
         if section is None:
             return None
         make = section.build
-    return build(make, where, problems, uncertainty, edge_detector) if len(problems.found) == unread else None
+    if len(problems.found) > unread:
+        return None
+    camera = build(make, where, problems, uncertainty, edge_detector)
+    if camera is None:
+        return None
+    region = read_usable_region(text, camera)
+    text.findings.extend(camera_findings(camera, value if isinstance(value, dict) else {}))
+    return replace(camera, usable_region=region) if region is not None else camera
 
 
 def _apart(text: InspectionText, name: str, model: type[_Apart]) -> _Apart | None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar, cast
 
 from ...exceptions import InspectionFileError
+from ...findings import Finding
 from ..files.problems import KeyPath, Problems, dotted
 from ..files.text import read_text
+from ..files.units import LENGTH, unit_names
 from ..files.yaml_tree import parse_yaml
 
 __all__ = ["InspectionText", "read_inspection_text"]
@@ -26,12 +28,15 @@ class InspectionText:
     ----------
     within
         The only folder from which other files may be read; None for any.
+    findings
+        What readers of sections and of files that they name found implausible; they add to it.
     """
 
     path: Path
     sections: dict[str, object]
     problems: Problems
     within: Path | None = None
+    findings: list[Finding] = field(default_factory=list)
 
     @property
     def part_file(self) -> Path | None:
@@ -39,6 +44,12 @@ class InspectionText:
         part = self.sections.get("part")
         name = part.get("file") if isinstance(part, dict) else None
         return self.beside(name, "part.file") if isinstance(name, str) and name.strip() else None
+
+    @property
+    def part_unit(self) -> str | None:
+        """The unit that ``part.unit`` names; None where it names none that is known."""
+        unit = self.below("part", "unit")
+        return unit if isinstance(unit, str) and unit in unit_names(LENGTH) else None
 
     def beside(self, name: str, key: str) -> Path:
         """Where a file lies that this one names: as written where absolute, else from this one's folder.

@@ -214,6 +214,9 @@ class PartSection(Section):
     file: Name | None = Field(
         default=None, description="the part's file, beside this one: STEP (.stp, .step, .p21, .stpz) or a mesh"
     )
+    unit: LengthUnit | None = Field(
+        default=None, description="the unit of a mesh's coordinates, such as inch; by default the file's own, else mm"
+    )
     characteristics: Annotated[list[Any] | None, Apart(CharacteristicSection, listed=True)] = Field(
         default=None, description="a list of characteristics, added to those read from the part's PMI"
     )

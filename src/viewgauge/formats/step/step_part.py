@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...exceptions import PartFileError
 from .kernel_process import reading_step
 
 if TYPE_CHECKING:  # the child process that reads is started before anything slow is imported
@@ -22,8 +23,16 @@ class StepPart:
     suffixes = (".stp", ".step", ".p21", ".stpz", ".stp.gz", ".step.gz", ".p21.gz")
 
     @contextmanager
-    def reading(self, path: Path, chord_error_mm: float | None) -> Iterator[Callable[[], Part]]:
+    def reading(self, path: Path, chord_error_mm: float | None, unit: str | None) -> Iterator[Callable[[], Part]]:
         """Begin to read a part in a child process; what the block is given waits for it."""
+        if unit is not None:
+            raise PartFileError(
+                "a STEP file names its own unit",
+                file=path,
+                got=f"part.unit: {unit}",
+                expected="part.unit with a mesh only",
+                hint="remove part.unit, or correct the unit in the STEP file",
+            )
         with reading_step(path, chord_error_mm=chord_error_mm) as finish:
             yield lambda: _part(finish(), path)
 
@@ -32,6 +41,7 @@ def _part(brep: Brep, path: Path) -> Part:
     from ...part import Part
     from ...part.characteristics import derive_characteristics
     from ...part.feature_lines import brep_feature_lines, mesh_feature_lines
+    from ...part.part_size import size_findings
 
     characteristics, not_measurable = derive_characteristics(brep)
     return Part(
@@ -42,7 +52,7 @@ def _part(brep: Brep, path: Path) -> Part:
         notes=brep.notes,
         length_unit=brep.length_unit,
         pmi_counts=brep.pmi_counts,
-        findings=brep.findings,
+        findings=(*brep.findings, *size_findings(brep.mesh)),
         feature_lines=brep_feature_lines(brep) if brep.faces else mesh_feature_lines(brep.mesh),
         solids=brep.solids,
         brep=brep if brep.faces else None,

@@ -136,7 +136,7 @@ class _Simulation:
 
 def _intrinsics(camera: Camera) -> dict[str, Any]:
     return {
-        "focal_length_px": [camera.focal_length_mm / pitch for pitch in camera.pixel_pitch_mm],
+        "focal_length_px": [camera.principal_distance_mm / pitch for pitch in camera.pixel_pitch_mm],
         "principal_point_px": list(camera.principal_point),
         "distortion": None if camera.lens is None else list(camera.lens.coefficients),
     }

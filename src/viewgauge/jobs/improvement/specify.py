@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -86,6 +87,11 @@ def _choice(
     )
     points = MeasurandTable.of(characteristics).points.reshape(-1, 3)
     distance = inspection.candidates.distance_mm or default_distance_range(points, camera)
+    if today.focus_distance_mm is not None:  # focused where it looks
+        focus = math.sqrt(distance[0] * distance[1])
+        if focus <= focal_length_mm:
+            return None
+        camera = replace(camera, f_number=today.f_number, focus_distance_mm=focus, blur_limit_px=today.blur_limit_px)
     options = replace(inspection.candidates, distance_mm=distance)
     try:
         grid = candidate_grid(replace(inspection, camera=camera, candidates=options), characteristics)

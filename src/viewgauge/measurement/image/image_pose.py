@@ -146,7 +146,9 @@ def _moved(T_part_camera: NDArray[np.float64], twist: NDArray[np.float64], error
 
 def _point_jacobian_px(point: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
     """``(2, 6)`` px of a displacement of a point in the camera frame."""
-    return np.asarray(camera.pixel_jacobian(camera.project(point)) @ point_jacobian(point, camera.focal_length_mm))
+    return np.asarray(
+        camera.pixel_jacobian(camera.project(point)) @ point_jacobian(point, camera.principal_distance_mm)
+    )
 
 
 def reach_px(point: NDArray[np.float64], camera: Camera, covariance: NDArray[np.float64]) -> float:

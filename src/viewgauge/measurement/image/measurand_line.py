@@ -87,7 +87,7 @@ def measurand_line(
     image = camera.project(points)
     run = (image[1] - image[0]) / np.linalg.norm(image[1] - image[0])
     across = np.array([-run[1], run[0]])
-    moved = across @ point_jacobian(points, camera.focal_length_mm)  # (2, 6): of the ends across the line
+    moved = across @ point_jacobian(points, camera.principal_distance_mm)  # (2, 6): of the ends across the line
     expected = MeasurandLine(image, moved @ pose.covariance @ moved.T)
     if not lies_along(measurand, T_camera_part, camera):
         return expected

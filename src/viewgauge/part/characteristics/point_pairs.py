@@ -9,7 +9,7 @@ from ...exceptions import InputError
 from ..measurands import LengthBetweenPoints
 from ..mesh import Mesh
 
-__all__ = ["distance_to_triangles", "measurand_on_mesh"]
+__all__ = ["distance_to_triangles", "measurand_on_mesh", "missing_edge"]
 
 _TOUCHING_CHORDS, _TOUCHING_RELATIVE = 2.0, 1e-6  # of the chord error, of the diagonal
 _OUTSIDE_CHORDS, _OUTSIDE_RELATIVE = 5.0, 1e-3
@@ -54,6 +54,22 @@ def measurand_on_mesh(
         for name, point in zip(("start", "end"), points, strict=True)
     ]
     return LengthBetweenPoints(points[0], points[1], normals[0], normals[1], "given by its two points")
+
+
+def missing_edge(measurand: LengthBetweenPoints) -> str:
+    """Why an end of a measurand lies on no edge that an image shows; empty where both do.
+
+    An edge is where faces of different directions meet. Within a flat face there is none, and neither is there at the
+    border of an open surface: what borders on it is not known, such as the next cell of a printed board, or the walls
+    that a scan left out.
+    """
+    ends = (("start", measurand.start, measurand.start_normals), ("end", measurand.end, measurand.end_normals))
+    flat = [f"its {name} {_coordinates(point)}" for name, point, normals in ends if len(normals) < 2]
+    if not flat:
+        return ""
+    verb = "lies" if len(flat) == 1 else "lie"
+    where = "within a flat face, or on the border of an open surface"
+    return f"there is no edge that an image shows: {' and '.join(flat)} {verb} {where}"
 
 
 def distance_to_triangles(mesh: Mesh, point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -265,7 +265,7 @@ def _view(camera: Camera, limits: ObservationLimits, rims: bool) -> NDArray[np.f
     A lens widens the image to a rectangle around all that it shows, and the camera's errors count by the least that
     they are anywhere in it; those of the calibration, which may vanish, not at all.
     """
-    focal, low = camera.focal_length_mm, limits.margin_px - 0.5
+    focal, low = camera.principal_distance_mm, limits.margin_px - 0.5
     scale = focal / np.asarray(camera.pixel_pitch_mm)
     centre, high = np.asarray(camera.principal_point), np.asarray(camera.resolution) - 0.5 - limits.margin_px
     corner = np.array([(low - centre) / scale, (high - centre) / scale])
@@ -278,7 +278,7 @@ def _view(camera: Camera, limits: ObservationLimits, rims: bool) -> NDArray[np.f
     nearest, farthest = 0.0, math.inf
     if camera.f_number is not None and camera.focus_distance_mm is not None:
         focus = camera.focus_distance_mm
-        blur = focal / camera.f_number * focal / (focus - focal) / min(camera.pixel_pitch_mm)
+        blur = camera.blur_at_infinity_px
         # blur |Z - focus| <= limit Z
         nearest = blur * focus / (blur + camera.blur_limit_px) * (1 - 1e-9)
         if blur > camera.blur_limit_px:
@@ -304,7 +304,8 @@ def _least_by_lens(camera: Camera, steps: NDArray[np.float64]) -> tuple[float, N
     columns, rows = camera.resolution
     u, v = np.meshgrid(np.linspace(-0.5, columns - 0.5, _GRID), np.linspace(-0.5, rows - 0.5, _GRID))
     assert camera.lens is not None
-    D = camera.lens.jacobian(camera.from_pixels(np.stack([u, v], axis=-1)) / camera.focal_length_mm)
+    image = camera.from_pixels(np.stack([u, v], axis=-1).reshape(-1, 2)) / camera.principal_distance_mm
+    D = camera.lens.jacobian(image[np.isfinite(image).all(axis=-1)])  # the lens may not show the whole image
     E = np.linalg.inv(D)
     least = float(np.linalg.svd(E, compute_uv=False)[..., -1].min()) * (1 - _SLACK)
     off = float(np.linalg.svd(E - np.eye(2), compute_uv=False)[..., 0].max()) * (1 + _SLACK)

@@ -121,8 +121,10 @@ def with_pixel_pitch(camera: Camera, factor: float) -> Camera:
     if covariance is not None:
         scale = np.append(np.full(4, 1 / factor), np.ones(len(covariance) - 4))
         covariance = tuple(map(tuple, (np.asarray(covariance) * np.outer(scale, scale)).tolist()))
+    region = camera.usable_region
     return replace(
         camera,
+        usable_region=None if region is None else region.scaled(factor),
         pixel_pitch_mm=(camera.pixel_pitch_mm[0] * factor, camera.pixel_pitch_mm[1] * factor),
         resolution=(max(round(columns / factor), 1), max(round(rows / factor), 1)),
         principal_point_px=((u + 0.5) / factor - 0.5, (v + 0.5) / factor - 0.5),

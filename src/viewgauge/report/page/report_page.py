@@ -47,6 +47,14 @@ def _camera_facts(camera: Camera) -> dict[str, str]:
         facts["Lens"] = f"{camera.lens.model} distortion"
     if camera.intrinsics_covariance is not None:
         facts["Calibration"] = "with its uncertainty"
+    if camera.focus_distance_mm is not None:
+        facts["Principal distance"] = (
+            f"{length(camera.principal_distance_mm)} mm, focused at {length(camera.focus_distance_mm)} mm"
+        )
+    if (radius := camera.field_radius_px) is not None:
+        facts["Field"] = f"within {radius:.0f} px of the principal point, as far as the lens model holds"
+    if camera.usable_region is not None:
+        facts["Usable region"] = "part of the image"
     if camera.f_number is not None and camera.focus_distance_mm is not None:
         facts["Aperture"] = f"f/{camera.f_number:g}, in focus at {length(camera.focus_distance_mm)} mm"
     return facts

@@ -120,7 +120,7 @@ def viewpoints_section(plan: Plan, part: Part, camera: Camera) -> Markup:
                 _vector(viewpoint.T_part_camera[:3, 3], 1),
                 _vector(viewpoint.T_part_camera[:3, 2], 3),
                 f"{distance:.0f}",
-                f"{distance * max(camera.pixel_pitch_mm) / camera.focal_length_mm:.3f}",
+                f"{distance * max(camera.pixel_pitch_mm) / camera.principal_distance_mm:.3f}",
             )
         )
     return render("viewpoints.html", rows=rows, colours=viewpoint_colours(plan))

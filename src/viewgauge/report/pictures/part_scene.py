@@ -132,7 +132,11 @@ def _frustum(viewpoint: PlannedViewpoint, camera: Camera, depth_mm: float) -> li
     """The pyramid seen by the camera, as two closed strokes: its outline and its base."""
     columns, rows = camera.resolution
     corners_px = np.array([[-0.5, -0.5], [columns - 0.5, -0.5], [columns - 0.5, rows - 0.5], [-0.5, rows - 0.5]])
-    rays = np.column_stack([camera.from_pixels(corners_px) / camera.focal_length_mm, np.ones(4)]) * depth_mm
+    if camera.field_radius_px is not None:  # the lens does not show the corners
+        centre = np.asarray(camera.principal_point)
+        reach = np.linalg.norm(corners_px - centre, axis=1, keepdims=True)
+        corners_px = centre + (corners_px - centre) * np.minimum(0.999 * camera.field_radius_px / reach, 1.0)
+    rays = np.column_stack([camera.from_pixels(corners_px) / camera.principal_distance_mm, np.ones(4)]) * depth_mm
     T = viewpoint.T_part_camera
     apex, base = T[:3, 3], rays @ T[:3, :3].T + T[:3, 3]
     return [
