@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -49,9 +50,11 @@ def convert(
     stated = {"name": name, "model": model, "size": size}
     meanings = {key: value for key, value in stated.items() if value is not None}
     done = convert_file(file, output, target, meanings, accept)
+    for finding in done.findings:
+        print(f"viewgauge: warning: {finding}", file=sys.stderr)
     if json:
         findings = [{"name": finding.name, "message": str(finding)} for finding in done.findings]
-        print_json({"source": done.source, "target": done.target, "findings": findings, **(done.document or {})})
+        print_json({"source": done.source, "target": done.target, **(done.document or {}), "findings": findings})
     else:
         print(f"{done.source}, written as {done.target} to {output}")
     return DONE

@@ -28,7 +28,7 @@ from .ros_camera_info import RosCameraInfoFormat
 from .ros_ini import RosIniFormat
 from .zed import ZedFormat
 
-__all__ = ["CAMERA_FORMATS", "CameraFormat", "read_camera_file"]
+__all__ = ["CAMERA_FORMATS", "CameraFormat", "camera_format_of", "read_camera_file"]
 
 
 class CameraFormat(Protocol):
@@ -68,6 +68,18 @@ CAMERA_FORMATS: Registry[CameraFormat] = Registry(
     *(MrcalFormat(), HalconFormat(), ColmapFormat(), RosIniFormat(), ZedFormat()),  # by their text
     *(CameraListFormat(), KalibrFormat(), MatlabFormat(), RealSenseFormat(), RosCameraInfoFormat(), OpenCvFormat()),
 )
+
+
+def camera_format_of(path: str | os.PathLike[str]) -> CameraFormat | None:
+    """The format of a calibration, by its content; None where none is known, or the content cannot be read.
+
+    Raises
+    ------
+    InspectionFileError
+        If the file is not there, or not text.
+    """
+    document = CalibrationDocument(path, read_text(path, InspectionFileError))
+    return next((format_ for format_ in CAMERA_FORMATS if format_.recognises(document)), None)
 
 
 def read_camera_file(path: str | os.PathLike[str], stated: Stated | str | None = None) -> CameraFile:

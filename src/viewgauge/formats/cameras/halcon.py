@@ -1,7 +1,7 @@
 """HALCON's internal camera parameters: an area-scan camera with the division or the polynomial model, in metres.
 
-Places in the image are in mm on the sensor there; here they are tangents: kappa, in 1/m², times the focal length squared
-is the coefficient of tangents, and so on.
+Places are in m on the sensor there; here they are tangents: kappa, in 1/m², times the focal length squared,
+in m², is the coefficient of tangents, and so on.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from .reading.found_cameras import only_or_named
 
 __all__ = ["HalconFormat"]
 
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _ENTRY = re.compile(
-    r"^[ \t]*([A-Za-z][A-Za-z0-9]*)[ \t]*:[ \t]*([A-Za-z][A-Za-z0-9_]*)[ \t]*:\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)[ \t]*;",
-    re.M,
+    rf"^[ \t]*([A-Za-z][A-Za-z0-9]*)[ \t]*:[ \t]*([A-Za-z][A-Za-z0-9_]*)[ \t]*:\s*({_NUMBER})[ \t]*;", re.M
 )
+_HEAD = re.compile(r"^[ \t]*([A-Za-z][A-Za-z0-9]*)[ \t]*:[ \t]*[A-Za-z]\w*[ \t]*:", re.M)
 _DIVISION, _POLYNOMIAL = ("Kappa",), ("K1", "K2", "K3", "P1", "P2")
 _NEEDED = ("Focus", "Sx", "Sy", "Cx", "Cy", "ImageWidth", "ImageHeight")
 _LONGEST_FOCUS_M, _LARGEST_PIXEL_M = 2.0, 1e-3
@@ -98,8 +99,7 @@ def _values(document: CalibrationDocument) -> dict[str, float] | None:
         elif name not in (*_NEEDED, *_DIVISION, *_POLYNOMIAL):
             expected = ", ".join((*_NEEDED, *_DIVISION, *_POLYNOMIAL))
             problems.add((name,), "the parameter is not known here", line=line, got=match[3], expected=expected)
-    named = {name for name in re.findall(r"^[ \t]*([A-Za-z][A-Za-z0-9]*)[ \t]*:[ \t]*[A-Za-z]\w*[ \t]*:", text, re.M)}
-    for name in sorted(named - values.keys()):
+    for name in sorted(set(_HEAD.findall(text)) - values.keys() - {"ParGroup"}):
         problems.add((name,), "not a parameter with a number", expected=f"{name}:name: 0.012;")
     missing = [name for name in _NEEDED if name not in values]
     if missing and not problems.found:

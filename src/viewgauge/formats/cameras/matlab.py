@@ -1,4 +1,4 @@
-"""MATLAB's ``cameraParameters`` and ``cameraIntrinsics``: the first pixel has the coordinate 1, sizes are rows first."""
+"""MATLAB's ``cameraParameters``, ``cameraIntrinsics``: the first pixel's coordinate is 1, sizes are rows first."""
 
 from __future__ import annotations
 

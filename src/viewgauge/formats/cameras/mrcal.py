@@ -1,4 +1,4 @@
-"""mrcal's ``.cameramodel``: a mapping in the syntax of Python, with ``lensmodel``, ``intrinsics`` and ``imagersize``."""
+"""mrcal's ``.cameramodel``: a mapping in Python's syntax, with ``lensmodel``, ``intrinsics`` and ``imagersize``."""
 
 from __future__ import annotations
 

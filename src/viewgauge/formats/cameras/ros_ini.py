@@ -1,4 +1,4 @@
-"""The INI that ROS's calibrator writes: a section for each camera, with matrices as rows of numbers below their names."""
+"""The INI that ROS's calibrator writes: a section for each camera, matrices as rows of numbers below their names."""
 
 from __future__ import annotations
 

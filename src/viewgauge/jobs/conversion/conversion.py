@@ -21,7 +21,7 @@ class Converted:
     source, target
         The format that was read, and the one that was written, in words: "Kalibr", "OpenCV".
     findings
-        What is implausible in what was read, accepted or not.
+        What is implausible in what was read and not accepted.
     document
         What was read, as JSON-ready data.
     """

@@ -1,4 +1,4 @@
-"""Lens models that are not known here, read by way of a radial-tangential lens that agrees within a hundredth of a px."""
+"""Lens models not known here, read by way of a radial-tangential lens that agrees within a hundredth of a px."""
 
 from __future__ import annotations
 
@@ -69,10 +69,11 @@ def replaced_by_radial_tangential(
         )
         return None
     replaced = replaced_lens(rays, frame)
-    if replaced is None:
+    if replaced is None or not replaced.residual_px <= LARGEST_RESIDUAL_PX:
         document.problems.add(
             where,
             f"the {name} model cannot be converted here",
+            got="none" if replaced is None else f"the nearest is {replaced.residual_px:.2g} px off",
             expected=f"a lens that a radial-tangential one replaces within {LARGEST_RESIDUAL_PX} px over the image",
             hint="calibrate with the model of OpenCV, or convert the file with the program that wrote it",
         )
@@ -82,5 +83,5 @@ def replaced_by_radial_tangential(
     count = len(replaced.lens.coefficients)
     return ForeignLens(
         replaced.lens,
-        f"{name} model converted to a radial-tangential one of {count} coefficients: {told} px off at most in the image",
+        f"{name} model converted to a radial-tangential one ({count} coefficients): at most {told} px off in the image",
     )

@@ -10,8 +10,8 @@ from ..reading.key_account import KeyAccount
 __all__ = ["ImageWindow", "read_image_window"]
 
 _BINNING = (
-    frozenset(["binningx", "binninghorizontal", "decimationx"]),
-    frozenset(["binningy", "binningvertical", "decimationy"]),
+    frozenset({"binningx", "binninghorizontal", "decimationx"}),
+    frozenset({"binningy", "binningvertical", "decimationy"}),
 )
 _ROI_KEYS = {"x_offset", "y_offset", "width", "height", "do_rectify"}
 

@@ -1,7 +1,6 @@
 """Lens models that lead from the pixel to the ray, or otherwise than here, replaced by a radial-tangential lens.
 
-The replacement is fitted over the whole image and a little beyond. It is used only where it agrees within
-:data:`LARGEST_RESIDUAL_PX` on a denser grid than it was fitted on; what remains is stated.
+The replacement is fitted over the whole image and a little beyond; what remains is found on a denser grid.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ class ReplacedLens:
 
 
 def replaced_lens(rays: Rays, frame: ImageFrame) -> ReplacedLens | None:
-    """The radial-tangential lens that shows the same rays in the same places; None where there is no lens as close.
+    """The radial-tangential lens that shows the rays most nearly in the same places; None where there is none.
 
     Parameters
     ----------
@@ -93,7 +92,7 @@ def replaced_lens(rays: Rays, frame: ImageFrame) -> ReplacedLens | None:
             best = ReplacedLens(lens, residual)
         if best.residual_px <= _ENOUGH_PX:
             break
-    return best if best is not None and best.residual_px <= LARGEST_RESIDUAL_PX else None
+    return best
 
 
 def division_rays(kappa: float) -> Rays:

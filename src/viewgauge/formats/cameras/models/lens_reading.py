@@ -138,6 +138,7 @@ def _stated_kind(account: KeyAccount, stated: Stated, numbers: Mapping[int, str]
     """What the file's keys and the user say of the model, and where; None where a problem was noted."""
     document = account.document
     said: dict[LensKind, KeyPath] = {}
+    unknown = False
     for name in sorted(MODEL):
         entry = account.take({name}, _is_word)
         if entry is None or entry.value is None:
@@ -147,7 +148,8 @@ def _stated_kind(account: KeyAccount, stated: Stated, numbers: Mapping[int, str]
         if kind is None:
             what = "camera" if name in ("cameramodel", "cameratype", "type", "projection") else "distortion"
             document.problems.add(entry.where, f"unknown {what} model", got=value, expected=f"pinhole; {lens_names()}")
-            return None, entry.where
+            unknown = True
+            continue
         said.setdefault(kind, entry.where)
     flag = account.take(FISHEYE_FLAG, _is_word)
     if flag is not None and flag.value is not None:
@@ -155,6 +157,8 @@ def _stated_kind(account: KeyAccount, stated: Stated, numbers: Mapping[int, str]
         if not fisheye and str(flag.value).lower() not in ("0", "0.0", "false", "no"):
             document.problems.add(flag.where, "not a yes or no", got=flag.value, expected="1 or 0")
         said.setdefault(LensKind.EQUIDISTANT if fisheye else LensKind.RADIAL_TANGENTIAL, flag.where)
+    if unknown:
+        return None, account.where
     said.pop(LensKind.UNSAID, None)
     if len(said) > 1:
         got = " and ".join(kind.value for kind in said)

@@ -125,7 +125,7 @@ def _transposed(document: CalibrationDocument, where: KeyPath, K: NDArray[np.flo
         "transposed_matrix",
         f"row 3 of the camera matrix is ({row}), with the principal point in it",
         "0, 0, 1 in row 3",
-        "the matrix is transposed, as MATLAB writes it, whose first pixel also has the coordinate 1 where it is 0 here; "
+        "the matrix is transposed, as MATLAB writes it, whose first pixel has the coordinate 1 where it is 0 here; "
         "accepted, the matrix is transposed and the principal point taken as it is",
         f"{document.path}: {dotted(where)}",
         refused=True,

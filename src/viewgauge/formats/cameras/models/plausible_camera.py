@@ -1,4 +1,4 @@
-"""What hardly any calibration has: a principal point far off, a field of view of other units, a lens that turns back."""
+"""What hardly any calibration has: a principal point far off, a field of view of other units, a lens turning back."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def implausible_calibration(
     yield from field
     if not field:  # else the principal point follows from the same cause
         if resolution is not None:
-            yield from _principal_point(focal_length_px, principal_point_px, resolution, where)
+            yield from _principal_point(principal_point_px, resolution, where)
         yield from _turns_back(focal_length_px, principal_point_px, lens, size, where)
     yield from _shape(focal_length_px, where)
     yield from _tangential(lens, where)
@@ -72,9 +72,7 @@ def _far_off(centre: tuple[float, float], where: str) -> Finding:
     )
 
 
-def _principal_point(
-    focal: tuple[float, float], centre: tuple[float, float], size: tuple[int, int], where: str
-) -> Iterator[Finding]:
+def _principal_point(centre: tuple[float, float], size: tuple[int, int], where: str) -> Iterator[Finding]:
     off = [(c - (n - 1) / 2) / n for c, n in zip(centre, size, strict=True)]
     axis = 0 if abs(off[0]) >= abs(off[1]) else 1
     if abs(off[axis]) <= _OFF_MIDDLE:
@@ -85,12 +83,12 @@ def _principal_point(
         f"the principal point ({centre[0]:.1f}, {centre[1]:.1f}) lies {abs(off[axis]) * size[axis]:.0f} px "
         f"({abs(off[axis]):.0%} of the {side}) from the middle of the image of {size[0]} x {size[1]} px",
         f"at most {_OFF_MIDDLE:.0%}",
-        _cause_of_centre(focal, centre, size),
+        _cause_of_centre(centre, size),
         where,
     )
 
 
-def _cause_of_centre(focal: tuple[float, float], centre: tuple[float, float], size: tuple[int, int]) -> str:
+def _cause_of_centre(centre: tuple[float, float], size: tuple[int, int]) -> str:
     columns, rows = size
     if columns != rows and _fits(centre, (rows, columns)):
         return f"width and height are exchanged: it fits an image of {rows} x {columns} px"

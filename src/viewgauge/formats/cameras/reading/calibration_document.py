@@ -96,7 +96,7 @@ class CalibrationDocument:
             got = f"{len(flat)} values for {rows} rows and {cols} columns"
             self.problems.add(where, "another number of values than rows and columns say", got=got)
             return None
-        return [float(item) for item in flat]
+        return [float(item) for item in flat if isinstance(item, int | float)]
 
     def number(self, where: KeyPath, value: object) -> float | None:
         """One finite number; None where a problem was noted."""

@@ -22,176 +22,61 @@ _NAMES = "the name of the camera, of a frame or of a topic"
 _FLAGS = "which coefficients were fitted; their values stand in the file"
 _DEPTH = "of a depth sensor, not of the image"
 
+
+def _words(text: str) -> list[str]:
+    return text.split()
+
+
 HARMLESS_NAMES: dict[str, str] = {
     **dict.fromkeys(
-        ["r", "p", "r1", "r2", "p1", "p2", "q", "rect", "rectification", "projection", "projectionmatrix", "proj"],
+        _words("r p r1 r2 p1 p2 q rect rectification projection projectionmatrix proj"),
         _RECTIFIED,
     ),
     **dict.fromkeys(
-        [
-            "rectificationmatrix",
-            "rleft",
-            "rright",
-            "pleft",
-            "pright",
-            "newcameramatrix",
-            "newcameramtx",
-            "newk",
-            "newmtx",
-            "newmatrix",
-            "roi1",
-            "roi2",
-            "optimalcameramatrix",
-            "optimalmatrix",
-            "newcammatrix",
-            "disparitytodepth",
-            "rectificationrotation",
-            "dorectify",
-            "validroi",
-            "validpixroi1",
-            "validpixroi2",
-            "kinv",
-            "invk",
-            "inversecameramatrix",
-            "undistortedcameramatrix",
-        ],
+        _words(
+            "rectificationmatrix rleft rright pleft pright newcameramatrix newcameramtx newk newmtx newmatrix roi1 "
+            "roi2 optimalcameramatrix optimalmatrix newcammatrix disparitytodepth rectificationrotation dorectify "
+            "validroi validpixroi1 validpixroi2 kinv invk inversecameramatrix undistortedcameramatrix"
+        ),
         _RECTIFIED,
     ),
     **dict.fromkeys(
-        [
-            "t",
-            "tvec",
-            "rvec",
-            "e",
-            "f",
-            "essential",
-            "fundamental",
-            "essentialmatrix",
-            "fundamentalmatrix",
-            "e1",
-            "f1",
-            "om",
-            "rot",
-            "trans",
-            "stereo",
-            "baseline",
-            "tcncnm1",
-            "tcamimu",
-            "timeshiftcamimu",
-            "tbc",
-            "tbs",
-            "timucam",
-            "tcw",
-            "twc",
-        ],
+        _words(
+            "t tvec rvec e f essential fundamental essentialmatrix fundamentalmatrix e1 f1 om rot trans stereo "
+            "baseline tcncnm1 tcamimu timeshiftcamimu tbc tbs timucam tcw twc"
+        ),
         _POSE,
     ),
     **dict.fromkeys(
-        [
-            "name",
-            "label",
-            "id",
-            "cameraid",
-            "cameraname",
-            "camname",
-            "frameid",
-            "header",
-            "frame",
-            "seq",
-            "stamp",
-            "rostopic",
-            "topic",
-            "camoverlaps",
-            "camera",
-            "childframeid",
-            "sensorid",
-            "cameraindex",
-            "camidx",
-            "device",
-            "devicename",
-            "cameraserial",
-            "comment",
-            "comments",
-            "note",
-            "notes",
-            "description",
-            "remark",
-            "remarks",
-            "title",
-        ],
+        _words(
+            "name label id cameraid cameraname camname frameid header frame seq stamp rostopic topic camoverlaps "
+            "camera childframeid sensorid cameraindex camidx device devicename cameraserial comment comments note "
+            "notes description remark remarks title"
+        ),
         _NAMES,
     ),
     **dict.fromkeys(
-        [
-            "flags",
-            "flagvalue",
-            "calibrationflags",
-            "fixaspectratio",
-            "aspectratio",
-            "assumezerotangentdist",
-            "zerotangentdist",
-            "fixprincipalpointatthecenter",
-            "fixprincipalpoint",
-            "fixk1",
-            "fixk2",
-            "fixk3",
-            "fixk4",
-            "fixk5",
-            "estimateskew",
-            "numradialdistortioncoefficients",
-            "estimatetangentialdistortion",
-            "numradialcoeffs",
-            "flag",
-        ],
+        _words(
+            "flags flagvalue calibrationflags fixaspectratio aspectratio assumezerotangentdist zerotangentdist "
+            "fixprincipalpointatthecenter fixprincipalpoint fixk1 fixk2 fixk3 fixk4 fixk5 estimateskew "
+            "numradialdistortioncoefficients estimatetangentialdistortion numradialcoeffs flag"
+        ),
         _FLAGS,
     ),
     **dict.fromkeys(
-        [
-            "err",
-            "rms",
-            "rmse",
-            "mre",
-            "mse",
-            "error",
-            "stddev",
-            "ret",
-            "retval",
-            "success",
-            "score",
-            "cost",
-            "status",
-            "perviewerrors",
-            "perviewerror",
-        ],
+        _words("err rms rmse mre mse error stddev ret retval success score cost status perviewerrors perviewerror"),
         _QUALITY,
     ),
     **dict.fromkeys(
-        [
-            "nframes",
-            "nrofframes",
-            "numframes",
-            "numimages",
-            "nimages",
-            "framecount",
-            "images",
-            "imagelist",
-            "imagenames",
-            "objpoints",
-            "imgpoints",
-            "objectpoints",
-            "worldpoints",
-            "validintrinsicsregion",
-            "optimizationinputs",
-            "icamintrinsics",
-            "extrinsics",
-            "reprojectederrors",
-            "worldunits",
-            "keypoints",
-        ],
+        _words(
+            "nframes nrofframes numframes numimages nimages framecount images imagelist imagenames objpoints "
+            "imgpoints objectpoints worldpoints validintrinsicsregion optimizationinputs icamintrinsics extrinsics "
+            "reprojectederrors worldunits keypoints"
+        ),
         _DATA,
     ),
-    **dict.fromkeys(["depthscale", "depthunits", "depthfactor", "rgbtodepth", "depthtocolor"], _DEPTH),
-    **dict.fromkeys(["version", "fileversion", "formatversion", "schema", "xmlns", "encoding", "nodes"], _SAYS_WHO),
+    **dict.fromkeys(_words("depthscale depthunits depthfactor rgbtodepth depthtocolor"), _DEPTH),
+    **dict.fromkeys(_words("version fileversion formatversion schema xmlns encoding nodes"), _SAYS_WHO),
 }
 """By the name as :func:`~.key_names.plain_name` gives it."""
 

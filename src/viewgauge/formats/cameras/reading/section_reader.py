@@ -60,12 +60,7 @@ def read_camera_section(
 ) -> CameraFile | None:
     """The calibration in a section, every key of it accounted for; None where a problem was noted."""
     account = camera.account(document)
-    said = read_image_size(account, rows_first=conventions.rows_first)
-    size = said or stated.resolution
-    if said is not None and stated.resolution is not None and said != stated.resolution:
-        expected = f"{said[0]} x {said[1]}, as the file says"
-        got = f"{stated.resolution[0]} x {stated.resolution[1]}"
-        document.problems.add((), "the calibration is of images of another size", got=got, expected=expected)
+    size = read_image_size(account, rows_first=conventions.rows_first) or stated.resolution
     pinhole = read_pinhole(account, transposed=conventions.transposed, first_pixel=conventions.first_pixel)
     uncertain = any(plain_name(key) in _COVARIANCE | _DEVIATIONS for key in camera.section)
     frame = None
@@ -75,9 +70,12 @@ def read_camera_section(
     covariance = None if lens is None else _covariance(account, lens.lens)
     window = read_image_window(account, size)
     rolling = _rolling_shutter(account)
-    account.close()
-    camera.close_around(document)
+    if not document.problems.found:  # else what is left may follow from them
+        account.close()
+        camera.close_around(document)
     if pinhole is None or lens is None:
+        for finding in pinhole.findings if pinhole else ():  # no calibration takes them along
+            document.problems.add(pinhole.where if pinhole else (), finding.found, expected=finding.usual)
         return None
     place = f"{document.path}: {camera.name}" if camera.name else str(document.path)
     numbers = pinhole.focal_length_px, pinhole.principal_point_px
