@@ -63,12 +63,12 @@ def test_a_part_file(tmp_path):
 
 
 class FirstLine:
-    name, described = "first line", "a first line"
+    name, described, cannot_say = "first line", "a first line", "anything"
 
     def recognises(self, document):
         return document.text.startswith("fx fy cx cy:")
 
-    def read(self, document, name):  # noqa: ARG002 - as the protocol has it
+    def read(self, document, stated):  # noqa: ARG002 - as the protocol has it
         fx, fy, cx, cy = map(float, document.text.partition(":")[2].split())
         return CameraFile(self.name, (fx, fy), (cx, cy), None, None, None)
 

@@ -23,6 +23,7 @@ import viewgauge as vg
 from ..exceptions import ViewgaugeError
 from .camera import camera
 from .characterize import characterize
+from .convert import convert
 from .features import features
 from .first_run import report_compiling
 from .images import measure, simulate, validate
@@ -219,6 +220,7 @@ app.command(specify, name="specify")
 app.command(characterize, name="characterize")
 app.command(camera, name="camera")
 app.command(features, name="features")
+app.command(convert, name="convert")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 app.command(validate, name="validate")

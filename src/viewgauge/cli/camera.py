@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +19,9 @@ def camera(
     /,
     *,
     name: str | None = None,
+    model: str | None = None,
+    size: str | None = None,
+    accept: tuple[str, ...] = (),
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     json: Json = False,
 ) -> int:
@@ -26,15 +30,25 @@ def camera(
     Parameters
     ----------
     file
-        Read this OpenCV YAML, ROS camera_info, Kalibr camchain or inspection file.
+        Read this calibration of OpenCV, ROS, Kalibr, COLMAP, MATLAB, RealSense, ZED, HALCON or mrcal, or this
+        inspection file.
     name
         Take the camera of this name, such as cam1, from a file that has several.
+    model
+        State the lens model that the file does not say: fisheye, radial-tangential or none.
+    size
+        State the image's columns and rows that the file does not say, such as 1920x1080.
+    accept
+        Accept the finding of this name; the option may be given several times.
     output
         Write the calibration to this file as OpenCV's YAML, every digit kept.
     """
-    from ..jobs.calibration import describe_calibration, read_calibration, write_opencv_camera
+    from ..jobs.calibration import Stated, describe_calibration, parse_size, read_calibration, write_opencv_camera
 
-    calibration = read_calibration(file, name)
+    stated = Stated(name, model, None if size is None else parse_size(size))
+    calibration = read_calibration(file, stated, accept)
+    for finding in calibration.findings:
+        print(f"viewgauge: warning: {finding}", file=sys.stderr)
     if output is not None:
         write_opencv_camera(output, calibration)
     document = describe_calibration(calibration)
@@ -62,6 +76,8 @@ def _print_calibration(document: dict[str, Any]) -> None:
         print(f"  {document['distortion_model']}{most}")
         for name, value in document["distortion"].items():
             print(f"  {name}  {value:.6g}{f' ± {uncertainty[name]:.2g}' if uncertainty else ''}")
+    for note in document["notes"]:
+        print(f"  {note}")
     print(
         "  standard uncertainties: " + ("after the ±" if uncertainty else "not stated; the calibration counts as exact")
     )

@@ -14,12 +14,21 @@ from typing import Protocol
 from ...exceptions import InspectionFileError
 from ..files.registry import Registry
 from ..files.text import read_text
-from .camera_file import CalibrationDocument, CameraFile
+from .camera_file import CameraFile, Stated
+from .colmap import ColmapFormat
+from .halcon import HalconFormat
 from .kalibr import KalibrFormat
+from .matlab import MatlabFormat
+from .mrcal import MrcalFormat
+from .ncamera import CameraListFormat
 from .opencv import OpenCvFormat
+from .reading.calibration_document import CalibrationDocument
+from .realsense import RealSenseFormat
 from .ros_camera_info import RosCameraInfoFormat
+from .ros_ini import RosIniFormat
+from .zed import ZedFormat
 
-__all__ = ["CAMERA_FORMATS", "CameraFormat", "read_camera_file"]
+__all__ = ["CAMERA_FORMATS", "CameraFormat", "camera_format_of", "read_camera_file"]
 
 
 class CameraFormat(Protocol):
@@ -35,36 +44,57 @@ class CameraFormat(Protocol):
         """What is expected, in messages: "an OpenCV YAML"."""
         ...
 
+    @property
+    def cannot_say(self) -> str:
+        """What a file of this format cannot say, and is asked for or refused; for the page on formats."""
+        ...
+
     def recognises(self, document: CalibrationDocument) -> bool:
         """Whether a file is of this format, by its content."""
         ...
 
-    def read(self, document: CalibrationDocument, name: str | None) -> CameraFile | None:
+    def read(self, document: CalibrationDocument, stated: Stated) -> CameraFile | None:
         """The calibration; None, and the reasons in the document's problems, if it cannot be used.
 
         Parameters
         ----------
-        name
-            Which camera of a file that has several; None where it was not said.
+        stated
+            Which camera of a file that has several, and what else the file may not say.
         """
         ...
 
 
-CAMERA_FORMATS: Registry[CameraFormat] = Registry(KalibrFormat(), RosCameraInfoFormat(), OpenCvFormat())
+CAMERA_FORMATS: Registry[CameraFormat] = Registry(
+    *(MrcalFormat(), HalconFormat(), ColmapFormat(), RosIniFormat(), ZedFormat()),  # by their text
+    *(CameraListFormat(), KalibrFormat(), MatlabFormat(), RealSenseFormat(), RosCameraInfoFormat(), OpenCvFormat()),
+)
 
 
-def read_camera_file(path: str | os.PathLike[str], name: str | None = None) -> CameraFile:
-    """Read a calibration.
-
-    Parameters
-    ----------
-    name
-        Which camera of a file that has several (Kalibr), such as ``cam1``; by default its only one.
+def camera_format_of(path: str | os.PathLike[str]) -> CameraFormat | None:
+    """The format of a calibration, by its content; None where none is known, or the content cannot be read.
 
     Raises
     ------
     InspectionFileError
-        With all that is wrong: file, line, key, what was got and what was expected.
+        If the file is not there, or not text.
+    """
+    document = CalibrationDocument(path, read_text(path, InspectionFileError))
+    return next((format_ for format_ in CAMERA_FORMATS if format_.recognises(document)), None)
+
+
+def read_camera_file(path: str | os.PathLike[str], stated: Stated | str | None = None) -> CameraFile:
+    """Read a calibration.
+
+    Parameters
+    ----------
+    stated
+        What the user states beside the file, or only the name of the camera that is meant, such as ``cam1``.
+
+    Raises
+    ------
+    InspectionFileError
+        With all that is wrong: file, line, key, what was got and what was expected. What is implausible stands in the
+        calibration's findings, those that are to be refused too.
     """
     document = CalibrationDocument(path, read_text(path, InspectionFileError))
     problems = document.problems
@@ -72,12 +102,13 @@ def read_camera_file(path: str | os.PathLike[str], name: str | None = None) -> C
     problems.raise_if_any()
     if found is None:
         expected = _any_of([format_.described for format_ in CAMERA_FORMATS][::-1])
-        keys = ", ".join(list(document.sections)[:6])
+        keys = ", ".join(str(key) for key in list(document.sections)[:6])
         if keys:
-            problems.add((), "no camera matrix", got=f"the keys {keys}", expected=expected)
+            problems.add((), "no camera matrix", got=f"the keys {keys}"[:200], expected=expected)
         else:
             problems.add((), "not a calibration of a camera", expected=expected)
-    calibration = None if found is None else found.read(document, name)
+    meant = stated if isinstance(stated, Stated) else Stated(stated)
+    calibration = None if found is None else found.read(document, meant)
     problems.raise_if_any()
     assert calibration is not None  # a problem would have been noted
     return calibration

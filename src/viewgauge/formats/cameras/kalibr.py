@@ -2,46 +2,25 @@
 
 from __future__ import annotations
 
-from .camera_file import CalibrationDocument, CameraFile
+from typing import Any, ClassVar
+
+from .reading.calibration_document import CalibrationDocument
+from .reading.section_format import SectionFormat
+from .reading.section_reader import Conventions
 
 __all__ = ["KalibrFormat"]
 
 
-class KalibrFormat:
-    """Camchains of Kalibr."""
+class KalibrFormat(SectionFormat):
+    """Camchains of Kalibr, with the distortion models radtan and equidistant of its pinhole camera."""
 
-    name, described = "Kalibr", "a Kalibr camchain"
+    conventions: ClassVar[Conventions] = Conventions("Kalibr")
+    described: ClassVar[str] = "a Kalibr camchain"
+    cannot_say: ClassVar[str] = "nothing; the models omni, ds, eucm and fov are refused by name"
 
-    def recognises(self, document: CalibrationDocument) -> bool:
-        """Whether there is a section with intrinsics."""
-        return bool(_cameras(document))
-
-    def read(self, document: CalibrationDocument, name: str | None) -> CameraFile | None:
-        """The calibration of a camera, by default the only one; None where a problem was noted."""
-        sections, problems, cameras = document.sections, document.problems, _cameras(document)
-        name = name or (cameras[0] if len(cameras) == 1 else None)
-        if name not in cameras:
-            problem = "no such camera in the file" if name else "the file has several cameras"
-            hint = None if name else "name one: calibration_camera in the inspection file, --name in the command"
-            problems.add((), problem, got=name, expected=" or ".join(cameras), hint=hint)
-            return None
-        where, section = (name,), sections[name]
-        kind = section.get("camera_model", "pinhole")
-        if kind != "pinhole":
-            problems.add((*where, "camera_model"), "unknown camera model", got=kind, expected="pinhole")
-        numbers = document.numbers((*where, "intrinsics"), section["intrinsics"], (4,))
-        coefficients = document.numbers((*where, "distortion_coeffs"), section.get("distortion_coeffs", []), None)
-        size = document.numbers((*where, "resolution"), section.get("resolution"), (2,), optional=True)
-        lens = document.lens(str(section.get("distortion_model", "none")), coefficients, (*where, "distortion_model"))
-        if numbers is None:
-            return None
-        resolution = document.resolution((*where, "resolution"), size)
-        covariance = document.covariance(section, where, lens)
-        focal, centre = (numbers[0], numbers[1]), (numbers[2], numbers[3])
-        return document.checked(
-            CameraFile(self.name, focal, centre, lens, resolution, covariance), (*where, "intrinsics")
-        )
-
-
-def _cameras(document: CalibrationDocument) -> list[str]:
-    return [key for key, value in document.sections.items() if isinstance(value, dict) and "intrinsics" in value]
+    def is_of(self, section: dict[str, Any], document: CalibrationDocument) -> bool:
+        """Whether there are intrinsics as four numbers, with Kalibr's other keys."""
+        del document
+        intrinsics = section.get("intrinsics")
+        named = {"camera_model", "distortion_coeffs", "rostopic", "cam_overlaps"} & section.keys()
+        return isinstance(intrinsics, list) and not any(isinstance(row, list) for row in intrinsics) and bool(named)

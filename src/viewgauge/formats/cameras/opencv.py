@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any, ClassVar
 
 from ...sensors import Camera
 from ..files.atomic import write_text_atomically
-from .camera_file import CalibrationDocument, CameraFile
-from .camera_matrices import has_camera_matrix, read_camera_matrix
+from .camera_file import CameraFile
+from .reading.calibration_document import CalibrationDocument
+from .reading.section_format import SectionFormat
+from .reading.section_reader import Conventions
 
 __all__ = ["OpenCvFormat", "write_opencv_camera"]
 
 
-class OpenCvFormat:
-    """Calibrations of OpenCV, and of programs that write as it does."""
+class OpenCvFormat(SectionFormat):
+    """Calibrations of OpenCV, and of programs that write a camera matrix and coefficients under other names."""
 
-    name, described = "OpenCV", "an OpenCV YAML"
+    conventions: ClassVar[Conventions] = Conventions("OpenCV")
+    described: ClassVar[str] = "an OpenCV YAML, XML or JSON"
+    cannot_say: ClassVar[str] = (
+        "of four coefficients the model, where there is no fisheye_model: asked (`--model`); often the image's size"
+    )
 
-    def recognises(self, document: CalibrationDocument) -> bool:
-        """Whether there is a camera matrix."""
-        return has_camera_matrix(document)
-
-    def read(self, document: CalibrationDocument, name: str | None) -> CameraFile | None:
-        """The calibration; None where a problem was noted."""
-        return read_camera_matrix(document, name, self.name)
+    def is_of(self, section: dict[str, Any], document: CalibrationDocument) -> bool:
+        """Any camera's section that no other format knows."""
+        del section, document
+        return True
 
 
 def write_opencv_camera(path: str | os.PathLike[str], camera: Camera | CameraFile) -> None:
     """Write a calibration for OpenCV's ``FileStorage``: camera_matrix, distortion_coefficients, and the covariance.
 
-    Every digit is kept. Files of the equidistant model have ``fisheye_model: 1``, as OpenCV's calibration sample.
+    Every digit is kept. ``fisheye_model`` is 1 for the equidistant model, as in OpenCV's calibration sample.
 
     Raises
     ------
@@ -47,8 +51,7 @@ def write_opencv_camera(path: str | os.PathLike[str], camera: Camera | CameraFil
         lines += [f"image_width: {camera.resolution[0]}", f"image_height: {camera.resolution[1]}"]
     lines += _opencv_matrix("camera_matrix", [[focal[0], 0.0, centre[0]], [0.0, focal[1], centre[1]], [0.0, 0.0, 1.0]])
     if camera.lens is not None:
-        if camera.lens.model == "equidistant":
-            lines.append("fisheye_model: 1")
+        lines.append(f"fisheye_model: {int(camera.lens.model == 'equidistant')}")
         lines += _opencv_matrix("distortion_coefficients", [[c] for c in camera.lens.coefficients])
     if covariance is not None:
         lines += _opencv_matrix("intrinsics_covariance", [list(row) for row in covariance])

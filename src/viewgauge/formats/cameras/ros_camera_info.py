@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from .camera_file import CalibrationDocument, CameraFile
-from .camera_matrices import has_camera_matrix, read_camera_matrix
+from typing import Any, ClassVar
+
+from .reading.calibration_document import CalibrationDocument
+from .reading.section_format import SectionFormat
+from .reading.section_reader import Conventions
 
 __all__ = ["RosCameraInfoFormat"]
 
 
-class RosCameraInfoFormat:
+class RosCameraInfoFormat(SectionFormat):
     """Calibrations of ROS, which differ from OpenCV's by their ``distortion_model``."""
 
-    name, described = "ROS camera_info", "a ROS camera_info"
+    conventions: ClassVar[Conventions] = Conventions("ROS camera_info")
+    described: ClassVar[str] = "a ROS camera_info"
+    cannot_say: ClassVar[str] = "nothing; binning and the region of interest are applied"
 
-    def recognises(self, document: CalibrationDocument) -> bool:
-        """Whether there are a camera matrix and a distortion model, in a file that OpenCV has not written."""
-        return has_camera_matrix(document) and "distortion_model" in document.sections and not document.is_opencv
-
-    def read(self, document: CalibrationDocument, name: str | None) -> CameraFile | None:
-        """The calibration; None where a problem was noted."""
-        return read_camera_matrix(document, name, self.name)
+    def is_of(self, section: dict[str, Any], document: CalibrationDocument) -> bool:
+        """Whether there is a distortion model, in a file that OpenCV has not written."""
+        return "distortion_model" in section and not document.is_opencv

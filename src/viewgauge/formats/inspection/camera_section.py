@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from ...exceptions import InputError
 from ...geometry import Lens
 from ...sensors import Camera, EdgeDetector
-from ..cameras.camera_file import CameraFile
+from ..cameras.camera_file import CameraFile, Stated
 from ..cameras.camera_formats import read_camera_file
 from .edge_detector_section import EdgeDetectorSection
 from .inspection_text import InspectionText
@@ -184,9 +184,15 @@ class CalibratedCameraSection(_CameraSection):
 
     _key_of: ClassVar[dict[str, str]] = {"lens": "calibration", "intrinsics_covariance": "calibration"}
 
-    calibration: Name = Field(description="a calibration file of OpenCV, ROS or Kalibr, beside this one")
+    calibration: Name = Field(
+        description="a calibration file of OpenCV, ROS, Kalibr, COLMAP, MATLAB or another program, beside this one"
+    )
     calibration_camera: Name | None = Field(
         default=None, description="which camera of a file that has several, such as cam0"
+    )
+    model: str | None = Field(
+        default=None,
+        description="the calibration's lens model, where its file does not say: fisheye, radial-tangential",
     )
     resolution: Resolution | None = Field(
         default=None,
@@ -278,10 +284,11 @@ def read_camera(text: InspectionText) -> Camera | None:
         calibrated = validate(CalibratedCameraSection, value, where, problems)
         if calibrated is None:
             return None
-        name = calibrated.calibration_camera
-        file = text.read_beside(read_camera_file, calibrated.calibration, (*where, "calibration"), name)
+        beside = Stated(calibrated.calibration_camera, calibrated.model, calibrated.resolution)
+        file = text.read_beside(read_camera_file, calibrated.calibration, (*where, "calibration"), beside)
         if file is None:
             return None
+        text.findings.extend(file.findings)
         make = partial(calibrated.build, file)
     else:
         section = validate(CameraSection, value, where, problems)

@@ -1,0 +1,1 @@
+"""Calibrations written for other programs: one file a format, behind a registry."""
