@@ -23,6 +23,7 @@ import viewgauge as vg
 from ..exceptions import ViewgaugeError
 from .camera import camera
 from .characterize import characterize
+from .convert import convert
 from .first_run import report_compiling
 from .images import measure, simulate, validate
 from .improve import improve, specify
@@ -217,6 +218,7 @@ app.command(improve, name="improve")
 app.command(specify, name="specify")
 app.command(characterize, name="characterize")
 app.command(camera, name="camera")
+app.command(convert, name="convert")
 app.command(simulate, name="simulate")
 app.command(measure, name="measure")
 app.command(validate, name="validate")

@@ -26,7 +26,7 @@ from .kinds.tf_echo import TransformEcho
 from .kinds.trajectory import QuaternionRows, Trajectory
 from .pose_file import PoseConventions, PoseDocument, PoseFile, PoseFormat
 
-__all__ = ["POSE_FORMATS", "find_pose_format", "read_poses"]
+__all__ = ["POSE_FORMATS", "find_pose_format", "is_pose_file", "read_poses"]
 
 POSE_FORMATS: Registry[PoseFormat] = Registry(
     KUKA,
@@ -52,6 +52,21 @@ def find_pose_format(document: PoseDocument) -> PoseFormat | None:
     return next((format_ for format_ in POSE_FORMATS if format_.recognises(document)), None)
 
 
+def is_pose_file(path: str | os.PathLike[str]) -> bool:
+    """Whether a file holds poses alone, whether or not they can be used: no measured ones, visits or pairs.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    document = PoseDocument(Path(path))
+    columns = {name.strip().lower() for name in document.table.header}
+    if "pose" in columns or any(name.startswith(("measured_", "actual_")) for name in columns):
+        return False
+    return find_pose_format(document) is not None
+
+
 def read_poses(path: str | os.PathLike[str], conventions: PoseConventions | None = None) -> PoseFile:
     """Poses of a file of any of the formats.
 
@@ -73,7 +88,7 @@ def read_poses(path: str | os.PathLike[str], conventions: PoseConventions | None
         found = next((format_ for format_ in POSE_FORMATS if format_.key == conventions.kind), None)
         if found is None:
             known = ", ".join(format_.key for format_ in POSE_FORMATS)
-            raise InputError("unknown format of poses", key="--as", got=conventions.kind, expected=known)
+            raise InputError("unknown format of poses", key="--from", got=conventions.kind, expected=known)
         if not found.recognises(document):
             raise InputError("the file is not of this format", file=path, got=found.name, expected=found.form)
     if found is None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ...exceptions import InputError
 from ..files.registry import SuffixRegistry
+from .pose_file import PoseConventions
 from .sample_commanded import CommandedSamples
 from .sample_errors import ErrorSamples
 from .sample_file import SampleDocument, SampleFile, SampleFormat
@@ -25,15 +26,20 @@ SAMPLE_FORMATS: SuffixRegistry[SampleFormat] = SuffixRegistry(
 )
 
 
-def read_pose_samples(path: str | os.PathLike[str]) -> SampleFile:
+def read_pose_samples(path: str | os.PathLike[str], conventions: PoseConventions | None = None) -> SampleFile:
     """Samples of the pose error.
+
+    Parameters
+    ----------
+    conventions
+        What the user says of the poses, where the names of the columns do not.
 
     Raises
     ------
     InputError
         With file, line and column, if anything in it cannot be used.
     """
-    document = SampleDocument(Path(path))
+    document = SampleDocument(Path(path), conventions)
     formats = [format_ for format_ in SAMPLE_FORMATS if document.suffix in format_.suffixes]
     if not formats:
         expected = f"one of {', '.join(SAMPLE_FORMATS.suffixes)}"

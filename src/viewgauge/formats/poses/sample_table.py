@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,8 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
-from ...geometry import pose_from_quaternion
 from ..files.text import read_text
+from .kinds.fanuc_columns import FANUC_COLUMNS
+from .kinds.kuka import KUKA
+from .kinds.quaternion_columns import ABB, NAMED_QUATERNION
+from .kinds.roll_pitch_yaw import ROLL_PITCH_YAW
+from .kinds.rotation_vector import ROTATION_COLUMNS
+from .number_table import NumberTable
+from .pose_columns import HARMLESS, PoseColumns
+from .pose_file import PoseConventions, PoseDocument
 
 __all__ = ["POSE_COLUMNS", "SampleTable"]
 
@@ -21,90 +26,104 @@ POSE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz")
 _LENGTH = {"_mm": 1.0, "_um": 1e-3, "_m": 1e3}
 _ANGLE = {"_mrad": 1e-3, "_rad": 1.0, "_deg": math.pi / 180}
 _ERRORS = ("dx", "dy", "dz", "rx", "ry", "rz")
+_KINDS = (NAMED_QUATERNION, KUKA, FANUC_COLUMNS, ABB, ROTATION_COLUMNS, ROLL_PITCH_YAW)
+_NAMES = ("id", "name", "pose", "label", "point")
 
 
 class SampleTable:
-    """Columns of a CSV file by name, and the lines of the header and of each row."""
+    """Columns of a CSV file by name, and the lines of the header and of each row; it knows which columns were used."""
 
-    def __init__(self, path: Path, line: int, header: list[str], rows: Sequence[tuple[int, list[str]]]) -> None:
-        self.path, self.line, self.header, self.rows = path, line, header, rows
+    def __init__(self, document: PoseDocument, conventions: PoseConventions | None = None) -> None:
+        self.document, self.table = document, document.table
+        self.conventions = conventions or PoseConventions()
+        self._used: set[int] = set()
 
     @classmethod
-    def read(cls, path: Path) -> SampleTable:
+    def read(cls, path: Path, conventions: PoseConventions | None = None) -> SampleTable:
         """The table of a file; raises InputError where it is none, or holds no row."""
-        reader = csv.reader(io.StringIO(read_text(path, InputError)))
-        try:
-            rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-        except csv.Error as error:
-            raise InputError(f"not CSV: {error}", file=path, line=reader.line_num) from error
-        if len(rows) < 2:
+        document = PoseDocument(path, read_text(path, InputError))
+        table = document.table
+        if not table.rows:
             raise InputError("no samples in the file", file=path, expected="a header and rows below it")
-        header = [name.strip() for name in rows[0][1]]
-        if repeated := {name for name in header if header.count(name) > 1}:
-            raise InputError("a column stands twice", file=path, line=rows[0][0], got=", ".join(sorted(repeated)))
-        for line, row in rows[1:]:
-            if len(row) != len(header):
-                raise InputError(
-                    "a row is longer or shorter than the header",
-                    file=path,
-                    line=line,
-                    got=f"{len(row)} cells",
-                    expected=str(len(header)),
-                )
-        return cls(path, rows[0][0], header, rows[1:])
+        if table.header:
+            table.require_rows()
+        if repeated := {name for name in table.header if table.header.count(name) > 1}:
+            raise InputError("a column stands twice", file=path, line=table.header_line, got=", ".join(sorted(repeated)))
+        return cls(document, conventions)
+
+    @property
+    def path(self) -> Path:
+        """Of the file."""
+        return self.table.path
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return self.table.header
+
+    @property
+    def line(self) -> int | None:
+        """Of the header."""
+        return self.table.header_line
 
     @property
     def names(self) -> tuple[str, ...]:
         """The name of each sample: its id, or its line."""
-        return self.text("id") or tuple(f"line {line}" for line, _ in self.rows)
+        return self.text("id") or tuple(f"line {line}" for line in self.table.lines)
 
     def text(self, name: str) -> tuple[str, ...] | None:
         """The cells of a column; None where there is none."""
         if name not in self.header:
             return None
         place = self.header.index(name)
-        return tuple(row[place].strip() for _, row in self.rows)
+        self._used.add(place)
+        return self.table.text(place)
 
     def errors(self) -> NDArray[np.float64] | None:
         """``(n, 6)`` mm and rad; None where the columns are not there."""
-        columns = []
+        found = []
         for name in _ERRORS:
             units = _LENGTH if name.startswith("d") else _ANGLE
-            found = [suffix for suffix in units if name + suffix in self.header]
-            if not found:
+            there = [(name + suffix, factor) for suffix, factor in units.items() if name + suffix in self.header]
+            if not there:
                 return None
-            columns.append(self._numbers(name + found[0]) * units[found[0]])
+            found.append(there[0])
+        self._used.update(self.header.index(name) for name, _ in found)
+        columns = [self.table.numbers(self.header.index(name)) * factor for name, factor in found]
         return np.stack(columns, axis=1)
 
-    def poses(self, before: str) -> NDArray[np.float64] | None:
-        """``(n, 4, 4)`` mm; None where the columns are not there."""
-        names, scale = [], np.ones(3)
-        for k, name in enumerate(POSE_COLUMNS):
-            metres = k < 3 and f"{before}{name}_m" in self.header
-            names.append(f"{before}{name}_m" if metres else before + name)
-            if metres:
-                scale[k] = 1e3
-        if not set(names) <= set(self.header):
-            return None
-        numbers = np.stack([self._numbers(name) for name in names], axis=1)
-        return np.array([self._pose(k, row[:3] * scale, row[3:]) for k, row in enumerate(numbers)])
+    def poses(self, *before: str) -> NDArray[np.float64] | None:
+        """``(n, 4, 4)`` mm of the columns whose names begin with the first of ``before`` that has a pose; else None."""
+        for start in before:
+            columns = PoseColumns.of(self.table, start)
+            for kind in _KINDS:
+                if kind.matches(columns):
+                    poses, names = self._poses_of(kind, columns)
+                    self._used.update(columns.places[name] for name in names)
+                    return poses
+        return None
 
-    def _pose(self, k: int, position: NDArray[np.float64], quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
-        try:
-            return pose_from_quaternion(position, quaternion)
-        except InputError as error:
+    def _poses_of(self, kind: object, columns: PoseColumns) -> tuple[NDArray[np.float64], Sequence[str]]:
+        said = self.conventions
+        if kind is NAMED_QUATERNION:
+            unit = said.unit or columns.unit(("x", "y", "z"), {"mm": 1, "cm": 1, "m": 1, "inch": 1}) or "mm"
+            said = PoseConventions(unit=unit)  # metres under the names of mm are a finding, not a question
+        poses, _ = kind.poses(self.document, columns, said)  # type: ignore[attr-defined]
+        return poses, kind.used(columns)  # type: ignore[attr-defined]
+
+    def require_used(self) -> None:
+        """Raise InputError where a column was not used and is not known to be harmless."""
+        harmless = HARMLESS | set(_NAMES)
+        left = [
+            name
+            for place, name in enumerate(self.header)
+            if place not in self._used and name.lower() not in harmless
+        ]
+        if left:
             raise InputError(
-                error.problem, file=self.path, line=self.rows[k][0], got=error.got, hint=error.hint
-            ) from error
-
-    def _numbers(self, name: str) -> NDArray[np.float64]:
-        place = self.header.index(name)
-        numbers = np.empty(len(self.rows))
-        for k, (line, row) in enumerate(self.rows):
-            try:
-                numbers[k] = float(row[place])
-            except ValueError:
-                numbers[k] = np.nan
-            if not np.isfinite(numbers[k]):
-                raise InputError("not a finite number", file=self.path, line=line, key=name, got=row[place])
-        return numbers
+                "a column is not used" if len(left) == 1 else "columns are not used",
+                file=self.path,
+                line=self.line,
+                key=", ".join(left),
+                hint="take it out, or name it as what it is",
+            )

@@ -53,15 +53,16 @@ class AngleColumns:
         """Whether these columns are there."""
         return columns.has((*self.position, *self.angles))
 
-    def used(self) -> tuple[str, ...]:
+    def used(self, columns: PoseColumns) -> tuple[str, ...]:
         """Canonical names of the columns."""
+        del columns  # which are always the same
         return (*self.position, *self.angles)
 
     def read(self, document: PoseDocument, conventions: PoseConventions) -> PoseFile:
         """The poses."""
         document.table.require_rows()
         columns = PoseColumns.of(document.table)
-        columns.require_used(self.used())
+        columns.require_used(self.used(columns))
         poses, note = self.poses(document, columns, conventions)
         return PoseFile(self.name, columns.names, poses, (note,))
 

@@ -38,6 +38,10 @@ class QuaternionColumns:
         """Whether these columns are there."""
         return self._parts(columns) is not None
 
+    def used(self, columns: PoseColumns) -> tuple[str, ...]:
+        """Canonical names of the columns."""
+        return (*_POSITION, *(self._parts(columns) or ()))
+
     def _parts(self, columns: PoseColumns) -> tuple[str, ...] | None:
         for parts in (self.quaternion, self.also):
             if parts is not None and columns.has((*_POSITION, *parts)):
@@ -48,7 +52,7 @@ class QuaternionColumns:
         """The poses."""
         document.table.require_rows()
         columns = PoseColumns.of(document.table)
-        columns.require_used((*_POSITION, *(self._parts(columns) or ())))
+        columns.require_used(self.used(columns))
         poses, note = self.poses(document, columns, conventions)
         return PoseFile(self.name, columns.names, poses, (note,))
 

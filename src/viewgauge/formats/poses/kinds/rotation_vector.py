@@ -11,7 +11,7 @@ ROTATION_COLUMNS = AngleColumns(
     name="x y z rx ry rz",
     form="table with the columns x, y, z, rx, ry, rz",
     cannot_say="the unit of lengths (--unit) and of angles (--angle), and what the angles mean (--rotation); "
-    "--as ur says all three for Universal Robots: m, rad, rotation vector",
+    "--from ur says all three for Universal Robots: m, rad, rotation vector",
     angles=("rx", "ry", "rz"),
 )
 
@@ -20,7 +20,7 @@ UNIVERSAL_ROBOTS = replace(
     key="ur",
     name="Universal Robots x y z rx ry rz",
     form="the same columns, or poses p[x, y, z, rx, ry, rz] in text; m, a rotation vector in rad",
-    cannot_say="that it is one (the columns have other makers' names): --as ur",
+    cannot_say="that it is one (the columns have other makers' names): --from ur",
     unit="m",
     angle="rad",
     rotation="rotation-vector",
