@@ -12,7 +12,7 @@ from ....geometry import pose_from_quaternion
 from ..pose_file import PoseConventions, PoseDocument, PoseFile
 from ..pose_meaning import ask, length_unit, to_mm
 
-__all__ = ["PoseMessages", "pose_of_parts"]
+__all__ = ["PoseMessages", "parts_of_pose", "pose_of_parts"]
 
 _HARMLESS = frozenset(("header", "child_frame_id"))
 _PAIRS = (("position", "orientation"), ("translation", "rotation"))
@@ -28,7 +28,7 @@ class PoseMessages:
 
     def recognises(self, document: PoseDocument) -> bool:
         """By position and orientation at the end of keys that messages have."""
-        return bool(document.trees) and _inside(document.trees[0].value) is not None
+        return bool(document.trees) and parts_of_pose(document.trees[0].value) is not None
 
     def read(self, document: PoseDocument, conventions: PoseConventions) -> PoseFile:
         """The poses, and the covariance where there is one message that has one."""
@@ -36,7 +36,7 @@ class PoseMessages:
         for tree in document.trees:
             line = min(tree.lines.values(), default=None)
             value = tree.value
-            found = _inside(value)
+            found = parts_of_pose(value)
             if found is None or not isinstance(value, dict):
                 raise document.error("not a message of a pose", line=line, expected="position and orientation")
             parts, covariance, left = found
@@ -92,7 +92,7 @@ def pose_of_parts(document: PoseDocument, line: int | None, parts: tuple[object,
         raise document.error(error.problem, line=line, got=str(error.got), expected=error.expected) from error
 
 
-def _inside(value: object) -> tuple[tuple[object, object], object, list[str]] | None:
+def parts_of_pose(value: object) -> tuple[tuple[object, object], object, list[str]] | None:
     """Position and orientation, the covariance beside them, and keys that are not used; None where there is none."""
     covariance, left = None, list[str]()
     for _ in range(4):
