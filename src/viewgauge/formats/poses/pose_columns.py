@@ -20,23 +20,20 @@ ANGLES = {"deg": np.pi / 180, "rad": 1.0}
 _SUFFIXES = {"mm": "mm", "cm": "cm", "m": "m", "in": "inch", "inch": "inch", "deg": "deg", "°": "deg", "rad": "rad"}
 _UNIT = re.compile(r"(?:[\s_]*[\[(]\s*(?P<bracketed>[^\])]*)\s*[\])]|[_ ](?P<suffix>mm|cm|m|inch|in|deg|rad))\s*$")
 _LEADING = re.compile(r"^(field_)?(pose_)*(transform_)?")
-_ALIASES = {
-    axis: (axis, f"t{axis}", f"p{axis}", f"pos_{axis}", f"p_{axis}", f"t_{axis}", f"position_{axis}")
-    + (f"translation_{axis}", f"p_rs_r_{axis}")
-    for axis in "xyz"
-} | {
-    f"q{axis}": (f"q{axis}", f"q_{axis}", f"quat_{axis}", f"orientation_{axis}", f"quaternion_{axis}", f"q_rs_{axis}")
-    + ((f"rotation_{axis}",) if axis == "w" else ())
-    for axis in "wxyz"
+_OF_POSITION = "{0} t{0} p{0} pos_{0} p_{0} t_{0} position_{0} translation_{0} p_rs_r_{0}"
+_OF_QUATERNION = "q{0} q_{0} quat_{0} orientation_{0} quaternion_{0} q_rs_{0}"
+_ALIASES = {axis: _OF_POSITION.format(axis).split() for axis in "xyz"} | {
+    f"q{axis}": _OF_QUATERNION.format(axis).split() for axis in "wxyz"
 }
+_ALIASES["qw"].append("rotation_w")
 _CANONICAL = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
 _NAMES = ("id", "name", "label", "point", "pose_id", "pose_name")
-HARMLESS = frozenset(
-    ("time", "timestamp", "t", "stamp", "sec", "nanosec", "secs", "nsecs", "stamp_sec", "stamp_nanosec", "header_seq")
-    + ("header_stamp", "header_stamp_sec", "header_stamp_nanosec", "header_stamp_secs", "header_stamp_nsecs")
-    + ("header_frame_id", "frame_id", "child_frame_id", "seq", "index", "row", "n", "no", "nr", "number", "#", "date")
-    + ("comment", "note", "file", "image", "uf", "ut", "config", "s", "turn", "status", "visit", "repeat", "run")
+_HARMLESS = (
+    "time timestamp t stamp sec nanosec secs nsecs stamp_sec stamp_nanosec header_seq header_stamp header_stamp_sec "
+    "header_stamp_nanosec header_stamp_secs header_stamp_nsecs header_frame_id frame_id child_frame_id seq index row "
+    "n no nr number # date comment note file image uf ut config s turn status visit repeat run"
 )
+HARMLESS = frozenset(_HARMLESS.split())
 """Columns that say nothing of a pose: times, counters, names of frames and files, the arm's configuration."""
 
 

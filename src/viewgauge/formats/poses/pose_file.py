@@ -94,7 +94,8 @@ class PoseDocument:
         """The YAML documents; none where the text is no YAML of keys, or is OpenCV's."""
         if self.text.startswith("%YAML:1.0") or not _MAPPING.search(self.text):
             return ()
-        trees, lines = [], self.text.splitlines()
+        trees: list[YamlTree] = []
+        lines = self.text.splitlines()
         marks = [k for k, line in enumerate(lines) if line.rstrip() in ("---", "...")]
         for first, last in zip([0, *(mark + 1 for mark in marks)], [*marks, len(lines)], strict=True):
             if any(line.strip() and not line.lstrip().startswith("#") for line in lines[first:last]):
@@ -108,7 +109,7 @@ class PoseDocument:
 
     def error(self, problem: str, *, line: int | None = None, key: str | None = None, **said: str | None) -> InputError:
         """An error of this file."""
-        return InputError(problem, file=self.path, line=line, key=key, **said)  # type: ignore[arg-type]
+        return InputError(problem, file=self.path, line=line, key=key, **said)
 
 
 class PoseFormat(Protocol):

@@ -65,9 +65,7 @@ def _of_board(path: Path, in_hand: InHand | None, accept: Collection[str]) -> So
     every = list(range(len(views.names)))
     camera = views.fitted(start)
     boards = views.boards(every, camera)
-    findings = admit(
-        hand_eye_findings(views.T_base_flange, boards, views.in_hand, found.pitch_mm, str(path)), accept
-    )
+    findings = admit(hand_eye_findings(views.T_base_flange, boards, views.in_hand, found.pitch_mm, str(path)), accept)
     camera, robot = views.calibrated(every, given=camera)
     errors = views.held_out([[k] for k in every], start=start)
     kind = f"views of a board, the {views.in_hand} in the robot's hand, each by a calibration without it"

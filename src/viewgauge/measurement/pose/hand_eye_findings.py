@@ -1,4 +1,4 @@
-"""What is implausible in pairs of the robot's pose and the board's: what is in the hand, inverses, the board's scale."""
+"""What is implausible in pairs of the robot's pose and the board's: what is in the hand, inverses, the scale."""
 
 from __future__ import annotations
 
@@ -60,7 +60,9 @@ def hand_eye_findings(
             if by_other < best:
                 best, cause = by_other, text
         if cause or left > 5 * _DOUBTFUL:
-            found = f"no hand-eye calibration explains the poses: it leaves {left * _RADIUS_MM:.3g} mm (with turns, median)"
+            found = (
+                f"no hand-eye calibration explains the poses: it leaves {left * _RADIUS_MM:.3g} mm (with turns, median)"
+            )
             cause = cause or "poses that do not belong to the images, or a board that moved"
             yield Finding("hand_eye", found, "some mm", cause, where, refused=True)
             return
@@ -69,7 +71,9 @@ def hand_eye_findings(
             found = f"the robot's travel says that lengths of the board are {scale:.4g} times as large"
             usual = "1"
         else:
-            found = f"the robot's travel says {scale * square_mm:.4g} mm (u = {uncertainty * square_mm:.2g} mm) a square"
+            found = (
+                f"the robot's travel says {scale * square_mm:.4g} mm (u = {uncertainty * square_mm:.2g} mm) a square"
+            )
             usual = f"{square_mm:.4g} mm, as the file states"
         cause = "the stated size of the board"
         if max(scale, 1 / scale) > 500:
@@ -90,7 +94,7 @@ def scale_by_travel(T_base_flange: Poses, M: Poses) -> tuple[float, float]:
 
     With the rotations of X and Y known, ``R_i t_X + t_i = s R_Y m_i + t_Y`` is linear in ``t_X``, ``t_Y`` and s.
     """
-    X, Y = robot_world_hand_eye(T_base_flange, M)
+    _, Y = robot_world_hand_eye(T_base_flange, M)
     n = len(M)
     A = np.zeros((n, 3, 7))
     A[:, :, :3] = T_base_flange[:, :3, :3]
@@ -124,12 +128,24 @@ def _rigid(T: Poses) -> Poses:
     return nearest
 
 
-def _readings(T_base_flange: Poses, T_camera_board: Poses, in_hand: InHand) -> Iterator[tuple[InHand, str, Poses, Poses]]:
+def _readings(
+    T_base_flange: Poses, T_camera_board: Poses, in_hand: InHand
+) -> Iterator[tuple[InHand, str, Poses, Poses]]:
     other: InHand = "board" if in_hand == "camera" else "camera"
     flag = f"the {other} is in the robot's hand, not the {in_hand} (static_camera, calibration_type, --in-hand)"
     yield other, flag, T_base_flange, T_camera_board
-    yield in_hand, "the robot's poses are inverses (the base seen from the flange)", invert(T_base_flange), T_camera_board
-    yield in_hand, "the board's poses are inverses (the camera seen from the board)", T_base_flange, invert(T_camera_board)
+    yield (
+        in_hand,
+        "the robot's poses are inverses (the base seen from the flange)",
+        invert(T_base_flange),
+        T_camera_board,
+    )
+    yield (
+        in_hand,
+        "the board's poses are inverses (the camera seen from the board)",
+        T_base_flange,
+        invert(T_camera_board),
+    )
     yield in_hand, "all poses are inverses", invert(T_base_flange), invert(T_camera_board)
 
 

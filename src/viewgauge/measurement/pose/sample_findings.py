@@ -63,7 +63,9 @@ def error_findings(errors: NDArray[np.float64], names: Sequence[str], where: str
         yield Finding("pose_translation", "all errors are equal", "scatter", where=where, refused=True)
         return
     if 0 < shift < _LEAST_MM or shift > _MOST_MM:
-        cause = "m under the names of mm" if shift < _LEAST_MM else "um under the names of mm, or poses that do not match"
+        cause = (
+            "m under the names of mm" if shift < _LEAST_MM else "um under the names of mm, or poses that do not match"
+        )
         found = f"the standard deviation of the position is {shift:.3g} mm"
         yield Finding("pose_translation", found, "1 um to 10 mm", cause, where, refused=True)
     if turn > _MOST_RAD:
@@ -80,7 +82,9 @@ def error_findings(errors: NDArray[np.float64], names: Sequence[str], where: str
         small = shift / turn > 1e3
         found = f"standard deviations of {shift:.3g} mm and {1e3 * np.degrees(turn):.3g} mdeg are of no one robot"
         usual = "an orientation held as well as the position at 0.01 to 4 m from it"
-        cause = "angles in rad under the names of deg or mrad" if small else "angles in deg or mrad under the names of rad"
+        cause = (
+            "angles in rad under the names of deg or mrad" if small else "angles in deg or mrad under the names of rad"
+        )
         if not small:
             cause += ", or lengths in m under the names of mm"
         yield Finding("pose_rotation", found, usual, cause, where, refused=True)
@@ -93,7 +97,7 @@ def _far(errors: NDArray[np.float64], names: Sequence[str], where: str) -> Itera
         usual = float(np.median(size))
         rows = np.flatnonzero(size > _FAR * usual)
         if usual > 0 and 0 < len(rows) < len(size) / 4:
-            found = f"the error of {_some([names[k] for k in rows])} is {scale * size[rows].max():.4g} {unit}"
+            found = f"the error of {_some([names[int(k)] for k in rows])} is {scale * size[rows].max():.4g} {unit}"
             ordinary = f"{scale * usual:.2g} {unit}, the median of this file"
             yield Finding("far_sample", found, ordinary, "a wrong row", where, refused=True)
 
@@ -140,7 +144,7 @@ def rotation_angles(first: Poses, second: Poses) -> NDArray[np.float64]:
     trace = np.einsum("nij,nij->n", first[:, :3, :3], second[:, :3, :3])
     chord = np.linalg.norm(first[:, :3, :3] - second[:, :3, :3], axis=(1, 2))  # exact where the angle is small
     small = 2 * np.arcsin(np.clip(chord / np.sqrt(8), 0, 1))
-    return np.where(trace > 2, small, np.arccos(np.clip((trace - 1) / 2, -1, 1)))
+    return np.asarray(np.where(trace > 2, small, np.arccos(np.clip((trace - 1) / 2, -1, 1))))
 
 
 def _mismatch(commanded: Poses, measured: Poses) -> NDArray[np.float64]:
@@ -169,7 +173,10 @@ def _readings() -> Iterator[_Reading]:
             causes = [text for text in (unit, turn) if text]
             if causes:
                 yield _Reading(" and ".join(causes), partial(_scaled_then, factor, reading), same)
-    orders = (("x y z w under the names w x y z", _scalar_was_last), ("w x y z under the names x y z w", _scalar_was_first))
+    orders = (
+        ("x y z w under the names w x y z", _scalar_was_last),
+        ("w x y z under the names x y z w", _scalar_was_first),
+    )
     for last, reading in orders:
         yield _Reading(f"the order of the quaternion: the commanded one is {last}", same, reading)
 
@@ -240,7 +247,9 @@ def _of_two_frames(commanded: Poses, measured: Poses, where: str) -> Iterator[Fi
         moved = constant @ commanded if k == 0 else commanded @ constant
         if float(np.median(_mismatch(moved, measured))) < before / _BETTER:
             shift, turn = _typical(commanded, measured)
-            found = f"measured and commanded poses differ by {shift:.4g} mm and {turn:.3g} deg (medians), and constantly"
+            found = (
+                f"measured and commanded poses differ by {shift:.4g} mm and {turn:.3g} deg (medians), and constantly"
+            )
             cause = f"they are in two frames: express both in the same {side} frame"
             yield Finding("pose_pairs", found, "some mm and less than 1 deg", cause, where, refused=True)
             return

@@ -14,9 +14,9 @@ from .hand_eye_file import HandEyeFile
 __all__ = ["TransformPairs"]
 
 _BOARD = ("tracking", "optical", "marker", "board", "target")
-_PARAMETERS = frozenset(
-    ("calibration_type", "eye_on_hand", "name", "robot_base_frame", "robot_effector_frame", "tracking_base_frame")
-    + ("tracking_marker_frame", "freehand_robot_movement", "move_group", "move_group_namespace", "namespace")
+_PARAMETERS = (
+    "calibration_type eye_on_hand name robot_base_frame robot_effector_frame tracking_base_frame tracking_marker_frame "
+    "freehand_robot_movement move_group move_group_namespace namespace"
 )
 _TYPES: dict[str, Literal["camera", "board"]] = {
     "eye_in_hand": "camera",
@@ -46,7 +46,7 @@ class TransformPairs:
         parameters = top.get("parameters") or {}
         if not isinstance(parameters, dict):
             raise document.error("not parameters", line=lines.get(("parameters",)), got=str(parameters)[:60])
-        left += [f"parameters.{key}" for key in parameters if key not in _PARAMETERS]
+        left += [f"parameters.{key}" for key in parameters if key not in _PARAMETERS.split()]
         if left:
             raise document.error("a key is not used", key=", ".join(left), hint="take it out")
         robot, board, names = [], [], []

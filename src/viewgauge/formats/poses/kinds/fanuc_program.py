@@ -31,7 +31,9 @@ class FanucProgram:
         return "/POS" in document.text and ("/PROG" in document.text or bool(_POSITION.search(document.text)))
 
     def read(self, document: PoseDocument, conventions: PoseConventions) -> PoseFile:
-        """The poses of the first motion group."""
+        """The poses of the only motion group."""
+        if conventions.unit not in (None, "mm") or conventions.angle not in (None, "deg"):
+            raise document.error("the file states its units, mm and deg", key="--unit, --angle", hint="leave them out")
         text = document.text[document.text.index("/POS") :]
         skipped = document.text[: document.text.index("/POS")].count("\n")
         names, poses, frames = [], [], set()
@@ -71,4 +73,6 @@ class FanucProgram:
         if not poses:
             raise document.error("the section /POS has no position", expected="P[1]{ ... X = ... mm, ... };")
         said = ", ".join(sorted(" ".join(frame.split()) for frame in frames)) or "frames not named"
-        return PoseFile(self.name, tuple(names), np.array(poses), (f"W, P, R about the fixed x, y, z; mm, deg; {said}",))
+        return PoseFile(
+            self.name, tuple(names), np.array(poses), (f"W, P, R about the fixed x, y, z; mm, deg; {said}",)
+        )

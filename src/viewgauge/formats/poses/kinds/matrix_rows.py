@@ -37,9 +37,7 @@ class MatrixRows:
         poses, notes = poses_of_matrices(document, lines, matrices, conventions)
         return PoseFile(self.name, names, poses, notes)
 
-    def _matrices(
-        self, document: PoseDocument
-    ) -> tuple[tuple[str, ...], tuple[int, ...], NDArray[np.float64]] | None:
+    def _matrices(self, document: PoseDocument) -> tuple[tuple[str, ...], tuple[int, ...], NDArray[np.float64]] | None:
         """Names, lines and matrices ``(n, 4, 4)`` as written; None where it is another kind of file."""
         table = document.table
         if (named := _of_columns(table)) is not None:

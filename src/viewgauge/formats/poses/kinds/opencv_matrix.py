@@ -12,8 +12,8 @@ from .matrix_rows import poses_of_matrices
 __all__ = ["OpenCvMatrix"]
 
 _MATRIX = re.compile(
-    r"^(?P<indent>[ \t]*)(?P<name>[\w-]+)\s*:\s*!!opencv-matrix\s*\n\s*rows:\s*(?P<rows>\d+)\s*\n\s*cols:\s*(?P<cols>\d+)"
-    r"\s*\n\s*dt:\s*\"?(?P<type>\w+)\"?\s*\n\s*data:\s*\[(?P<data>[^\]]*)\]",
+    r"^(?P<indent>[ \t]*)(?P<name>[\w-]+)\s*:\s*!!opencv-matrix\s*\n\s*rows:\s*(?P<rows>\d+)"
+    r"\s*\n\s*cols:\s*(?P<cols>\d+)\s*\n\s*dt:\s*\"?(?P<type>\w+)\"?\s*\n\s*data:\s*\[(?P<data>[^\]]*)\]",
     re.M,
 )
 

@@ -121,7 +121,7 @@ def _stamp(stamp: object) -> str:
 
 def _covariance(document: PoseDocument, line: int | None, value: object) -> NDArray[np.float64]:
     usable = isinstance(value, list) and len(value) == 36
-    if not usable or not all(isinstance(v, int | float) and abs(v) < 1e12 for v in value):  # type: ignore[union-attr, attr-defined]
+    if not usable or not all(isinstance(v, int | float) and abs(v) < 1e12 for v in value):  # type: ignore[attr-defined]
         raise document.error("not a covariance", line=line, key="covariance", expected="36 finite numbers, m and rad")
     matrix = np.array(value, dtype=float).reshape(6, 6)
     scale = max(float(np.abs(matrix).max()), np.finfo(float).tiny)

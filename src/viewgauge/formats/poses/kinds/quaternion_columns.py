@@ -77,7 +77,7 @@ def poses_of_quaternions(
     positions_mm: NDArray[np.float64],
     quaternions: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """``(n, 4, 4)`` of positions ``(n, 3)`` and quaternions ``(n, 4)``, scalar first; raises InputError with the line."""
+    """``(n, 4, 4)`` of positions ``(n, 3)`` and quaternions ``(n, 4)``, scalar first; raises InputError."""
     poses = np.empty((len(positions_mm), 4, 4))
     for k, (line, position, quaternion) in enumerate(zip(lines, positions_mm, quaternions, strict=True)):
         try:

@@ -56,7 +56,9 @@ class QuaternionRows:
     def recognises(self, document: PoseDocument) -> bool:
         """By seven numbers a row, the last four of them a unit quaternion."""
         table = document.table
-        return table.is_numbers and table.width == 7 and not table.header and _are_units(_numbers(document, slice(3, 7)))
+        return (
+            table.is_numbers and table.width == 7 and not table.header and _are_units(_numbers(document, slice(3, 7)))
+        )
 
     def read(self, document: PoseDocument, conventions: PoseConventions) -> PoseFile:
         """The poses."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...measurement import PoseSamples
+from ....measurement import PoseSamples
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["ErrorSamples"]

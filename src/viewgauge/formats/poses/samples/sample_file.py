@@ -7,13 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
-from ...exceptions import InputError
-from ...findings import Finding
-from ...measurement import PoseSamples
-from ..files.problems import Problems
-from ..files.text import read_text
-from ..files.yaml_tree import YamlTree, parse_yaml
-from .pose_file import PoseConventions
+from ....exceptions import InputError
+from ....findings import Finding
+from ....measurement import PoseSamples
+from ...files.problems import Problems
+from ...files.text import read_text
+from ...files.yaml_tree import YamlTree, parse_yaml
+from ..pose_file import PoseConventions
 from .sample_table import SampleTable
 
 __all__ = ["SampleDocument", "SampleFile", "SampleFormat"]
@@ -21,8 +21,7 @@ __all__ = ["SampleDocument", "SampleFile", "SampleFormat"]
 
 @dataclass(frozen=True)
 class SampleFile:
-    """The samples, their kind in words, how many commanded poses were visited repeatedly (0 if none), and what is implausible in
-    the poses."""
+    """The samples, their kind in words, how many commanded poses were visited repeatedly (0 if none), and findings."""
 
     samples: PoseSamples
     kind: str

@@ -9,16 +9,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...exceptions import InputError
-from ..files.text import read_text
-from .kinds.fanuc_columns import FANUC_COLUMNS
-from .kinds.kuka import KUKA
-from .kinds.quaternion_columns import ABB, NAMED_QUATERNION
-from .kinds.roll_pitch_yaw import ROLL_PITCH_YAW
-from .kinds.rotation_vector import ROTATION_COLUMNS
-from .number_table import NumberTable
-from .pose_columns import HARMLESS, PoseColumns
-from .pose_file import PoseConventions, PoseDocument
+from ....exceptions import InputError
+from ...files.text import read_text
+from ..kinds.fanuc_columns import FANUC_COLUMNS
+from ..kinds.kuka import KUKA
+from ..kinds.quaternion_columns import ABB, NAMED_QUATERNION
+from ..kinds.roll_pitch_yaw import ROLL_PITCH_YAW
+from ..kinds.rotation_vector import ROTATION_COLUMNS
+from ..pose_columns import HARMLESS, PoseColumns
+from ..pose_file import PoseConventions, PoseDocument
 
 __all__ = ["POSE_COLUMNS", "SampleTable"]
 
@@ -48,7 +47,9 @@ class SampleTable:
         if table.header:
             table.require_rows()
         if repeated := {name for name in table.header if table.header.count(name) > 1}:
-            raise InputError("a column stands twice", file=path, line=table.header_line, got=", ".join(sorted(repeated)))
+            raise InputError(
+                "a column stands twice", file=path, line=table.header_line, got=", ".join(sorted(repeated))
+            )
         return cls(document, conventions)
 
     @property
@@ -115,9 +116,7 @@ class SampleTable:
         """Raise InputError where a column was not used and is not known to be harmless."""
         harmless = HARMLESS | set(_NAMES)
         left = [
-            name
-            for place, name in enumerate(self.header)
-            if place not in self._used and name.lower() not in harmless
+            name for place, name in enumerate(self.header) if place not in self._used and name.lower() not in harmless
         ]
         if left:
             raise InputError(

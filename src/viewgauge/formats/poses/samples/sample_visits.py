@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ...measurement import PoseSamples, errors_about_group_means
-from ...measurement.pose.sample_findings import position_findings
+from ....measurement import PoseSamples, errors_about_group_means
+from ....measurement.pose.sample_findings import position_findings
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["VisitSamples"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...measurement import PoseSamples, errors_of_poses
-from ...measurement.pose.sample_findings import pair_findings, position_findings
+from ....measurement import PoseSamples, errors_of_poses
+from ....measurement.pose.sample_findings import pair_findings, position_findings
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["CommandedSamples"]
