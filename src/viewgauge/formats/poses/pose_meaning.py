@@ -27,11 +27,12 @@ def ask(document: PoseDocument, missing: Sequence[tuple[str, str, str]]) -> Inpu
         For each: what is not said ("whether lengths are mm or m"), how to say it ("--unit mm or --unit m"), and the
         proposal with its reason, or an empty text.
     """
+    where = "say it to viewgauge convert or characterize"
     proposals = "; ".join(proposal for _, _, proposal in missing if proposal)
     return document.error(
         f"the file does not say {', nor '.join(what for what, _, _ in missing)}",
         expected="; ".join(how for _, how, _ in missing),
-        hint=f"proposal: {proposals}" if proposals else "look it up in the program that wrote the file",
+        hint=f"{where}; proposal: {proposals}" if proposals else f"{where}, as the program that wrote the file has it",
     )
 
 
