@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import sys
+from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -15,6 +17,9 @@ from .progress import Bars
 
 __all__ = ["characterize"]
 
+_SHOWN = 5  # poses
+_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
 
 def characterize(
     samples: Path,
@@ -23,14 +28,23 @@ def characterize(
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     camera: Path | None = None,
     with_mean: Annotated[bool, Parameter(negative="")] = False,
+    in_hand: Literal["camera", "board"] | None = None,
+    kind: Annotated[str | None, Parameter(name="--from")] = None,
+    unit: str | None = None,
+    angle: str | None = None,
+    rotation: str | None = None,
+    quaternion: str | None = None,
+    accept: tuple[str, ...] = (),
     json: Json = False,
 ) -> int:
     """Estimate the pose uncertainty from measurements, and write the covariance file that a plan reads.
 
+    A file of poses alone is read and shown.
+
     Parameters
     ----------
     samples
-        Read this CSV of commanded and measured poses, visits or errors, or this YAML of joints or board images.
+        Read this CSV of commanded and measured poses, visits or errors, or this YAML of joints, board images or pairs.
     output
         Write the covariance to this file (YAML), for pose_uncertainty.covariance of an inspection file.
     camera
@@ -38,10 +52,32 @@ def characterize(
         camera.calibration of an inspection file.
     with_mean
         Count the systematic part with the rest, because it is not calibrated away.
+    in_hand
+        State what the robot carries, where the file does not say it.
+    kind
+        Read the poses as this format, such as ur.
+    unit
+        State the unit of lengths that the file does not say: mm, cm, m or inch.
+    angle
+        State the unit of angles that the file does not say: deg or rad.
+    rotation
+        State what three angles mean: rotation-vector, fixed-xyz (roll, pitch, yaw), turning-zyx or other axes.
+    quaternion
+        State the order of quaternions whose parts have no names: wxyz or xyzw.
+    accept
+        Accept the finding of this name; the option may be given several times.
     """
     from ..jobs.characterize import characterize, describe_characterization, write_calibration, write_covariance_of
+    from ..jobs.conversion.pose_conversion import conventions_of
+    from ..jobs.conversion.pose_reading import read_poses_alone
 
-    character = characterize(samples, progress=Bars())
+    said = {"kind": kind, "unit": unit, "angle": angle, "rotation": rotation, "quaternion": quaternion}
+    conventions = conventions_of(said)
+    if (poses := read_poses_alone(samples, conventions)) is not None:
+        return _show_poses(poses, samples, output, accept, json)
+    bars = Bars()
+    character = characterize(samples, progress=bars, conventions=conventions, in_hand=in_hand, accept=accept)
+    _print_findings(character.findings)
     document = describe_characterization(character)
     if camera is not None:
         with _folder_of(camera):
@@ -57,6 +93,51 @@ def characterize(
         if written:
             print(f"written to {' and '.join(written)}")
     return DONE
+
+
+def _show_poses(poses: Any, source: Path, output: Path | None, accept: tuple[str, ...], as_json: bool) -> int:
+    """What a file of poses alone holds; a covariance that it states is written."""
+    from ..findings import admit
+    from ..jobs.conversion.pose_conversion import describe_poses
+    from ..jobs.conversion.pose_reading import covariance_findings, write_stated_covariance
+
+    _print_findings(admit(covariance_findings(poses), accept))
+    if output is not None:
+        with _folder_of(output):
+            write_stated_covariance(poses, source, output)
+    document = describe_poses(poses)
+    if as_json:
+        print_json(document)
+        return DONE
+    print(f"{len(poses.names)} poses ({document['format']}); {'; '.join(document['notes'])}")
+    for name, pose in list(zip(document["names"], document["poses"], strict=True))[:_SHOWN]:
+        print(f"  {name}: position {', '.join(f'{row[3]:.3f}' for row in pose[:3])} mm")
+    if len(poses.names) > _SHOWN:
+        print(f"  and {len(poses.names) - _SHOWN} more (--json prints all)")
+    if document["covariance"] is None:
+        print("  no measured poses beside them: viewgauge convert writes them as viewpoints")
+    else:
+        _print_stated(document["covariance"])
+    if output is not None:
+        print(f"written to {output}")
+    return DONE
+
+
+def _print_stated(covariance: list[list[float]]) -> None:
+    """Standard deviations and correlations of a covariance that a file states."""
+    deviations = [math.sqrt(row[k]) for k, row in enumerate(covariance)]
+    print("  standard deviations: " + ", ".join(f"{value:.4g}" for value in deviations[:3]) + " mm; ", end="")
+    print(", ".join(f"{1e3 * value:.4g}" for value in deviations[3:]) + " mrad")
+    for k, row in enumerate(covariance):
+        for m in range(k):
+            if row[m]:
+                share = row[m] / (deviations[k] * deviations[m])
+                print(f"  correlation of {_AXES[m]} and {_AXES[k]}: {share:.3g}")
+
+
+def _print_findings(findings: Iterable[object]) -> None:
+    for finding in findings:
+        print(f"viewgauge: warning: {finding}", file=sys.stderr)
 
 
 def _folder_of(path: Path) -> AbstractContextManager[Any]:
@@ -85,6 +166,10 @@ def _print_character(document: dict[str, Any]) -> None:
         print(f"  far from the others: {', '.join(document['outliers'])}; they are part of the figures")
     if document["board"]:
         _print_board(document["board"])
+    elif document["hand_eye"]:
+        print("  camera: not calibrated here; the errors of its calibration are part of the figures")
+    if document["hand_eye"]:
+        _print_hand_eye(document["hand_eye"])
     factor = document["factor_at_95"]
     print(f"  few samples: a plan at 0.95 counts standard deviations {factor:.3f} times as large")
 
@@ -98,9 +183,20 @@ def _print_board(board: dict[str, Any]) -> None:
         + ", ".join(f"{name} {uncertainty[name]:.2g}" for name in ("fx", "fy", "cx", "cy"))
         + " px"
     )
-    if board["pivot"]:
-        position = ", ".join(f"{value:.3f}" for value in board["pivot"]["position_mm"])
-        quaternion = ", ".join(f"{value:.6f}" for value in board["pivot"]["quaternion"])
-        print(f"  pose_uncertainty.frame: {{position: [{position}] mm, quaternion: [{quaternion}]}}")
-    for reported in board["left_out"]:
+
+
+def _print_hand_eye(hand_eye: dict[str, Any]) -> None:
+    for name in ("camera_on_flange", "board_in_base", "board_on_flange", "camera_in_base"):
+        if name in hand_eye:
+            print(f"  {name}: {_placed(hand_eye[name])}")
+    if hand_eye["frame"]:
+        print(f"  pose_uncertainty.frame: {_placed(hand_eye['frame'])}")
+    for reported in hand_eye["left_out"]:
         print(f"  left out  {reported}")
+
+
+def _placed(pose: dict[str, list[float]]) -> str:
+    """As a plan's YAML has it."""
+    position = ", ".join(f"{value:.3f}" for value in pose["position_mm"])
+    quaternion = ", ".join(f"{value:.6f}" for value in pose["quaternion"])
+    return f'{{position: "[{position}] mm", quaternion: [{quaternion}]}}'

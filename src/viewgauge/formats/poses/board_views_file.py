@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ class BoardFile:
     views: BoardViews
     intrinsics: Intrinsics | None
     left_out: tuple[str, ...]
+    pitch_mm: float
 
 
 def is_board_file(path: Path) -> bool:
@@ -48,8 +49,13 @@ def is_board_file(path: Path) -> bool:
     return isinstance(tree.value, dict) and {"data", "target_finder"} <= tree.value.keys()
 
 
-def read_board_views(path: Path) -> BoardFile:
+def read_board_views(path: Path, in_hand: Literal["camera", "board"] | None = None) -> BoardFile:
     """Corners in the images, and the robot's poses.
+
+    Parameters
+    ----------
+    in_hand
+        What the robot carries, where the file does not say it.
 
     Raises
     ------
@@ -101,9 +107,9 @@ def read_board_views(path: Path) -> BoardFile:
         tuple(points),
         tuple(places),
         size,
-        "board" if value.get("static_camera") is True else "camera",
+        in_hand or ("board" if value.get("static_camera") is True else "camera"),
     )
-    return BoardFile(views, _intrinsics(path, value.get("intrinsics"), lines), tuple(left_out))
+    return BoardFile(views, _intrinsics(path, value.get("intrinsics"), lines), tuple(left_out), board.square_mm)
 
 
 def _tree(path: Path) -> tuple[dict[str, Any], dict[Any, int]]:

@@ -98,11 +98,16 @@ def read_covariance(path: Path) -> CovarianceFile:
 def write_covariance(
     path: str | os.PathLike[str],
     covariance: NDArray[np.float64],
-    degrees_of_freedom: int,
+    degrees_of_freedom: int | None,
     mean: NDArray[np.float64],
     made_from: Mapping[str, str],
 ) -> None:
     """Write a covariance ``(6, 6)`` with the mean that was found beside it ``(6,)``, mm and rad; every digit is kept.
+
+    Parameters
+    ----------
+    degrees_of_freedom
+        None where the covariance was stated and not estimated.
 
     Raises
     ------
@@ -114,7 +119,9 @@ def write_covariance(
         "covariance:",
     ]
     lines += [f"  - [{', '.join(repr(float(value)) for value in row)}]" for row in covariance]
-    lines += ["units: [mm, rad]", "order: translation first", f"degrees_of_freedom: {degrees_of_freedom}"]
+    lines += ["units: [mm, rad]", "order: translation first"]
+    if degrees_of_freedom is not None:
+        lines += [f"degrees_of_freedom: {degrees_of_freedom}"]
     lines += ["# the systematic part, which calibration should take away; of no effect here"]
     lines += [f"mean: [{', '.join(repr(float(value)) for value in mean)}]", "made_from:"]
     lines += [f"  {json.dumps(name)}: {json.dumps(value)}" for name, value in made_from.items()]

@@ -1,7 +1,7 @@
 """Files of pose-error samples: CSV of poses or of errors, or YAML of joints and poses.
 
 In CSV the order of the columns is free; lengths are mm unless the column's name ends in ``_m``. A further kind is a
-class like :class:`~viewgauge.formats.poses.sample_file.SampleFormat` in a file of its own, and its place in
+class like :class:`~viewgauge.formats.poses.samples.sample_file.SampleFormat` in a file of its own, and its place in
 ``SAMPLE_FORMATS``, or ``SAMPLE_FORMATS.register(...)`` from outside.
 """
 
@@ -12,11 +12,12 @@ from pathlib import Path
 
 from ...exceptions import InputError
 from ..files.registry import SuffixRegistry
-from .sample_commanded import CommandedSamples
-from .sample_errors import ErrorSamples
-from .sample_file import SampleDocument, SampleFile, SampleFormat
-from .sample_joints import JointSamples
-from .sample_visits import VisitSamples
+from .pose_file import PoseConventions
+from .samples.sample_commanded import CommandedSamples
+from .samples.sample_errors import ErrorSamples
+from .samples.sample_file import SampleDocument, SampleFile, SampleFormat
+from .samples.sample_joints import JointSamples
+from .samples.sample_visits import VisitSamples
 
 __all__ = ["SAMPLE_FORMATS", "SampleFile", "read_pose_samples"]
 
@@ -25,15 +26,20 @@ SAMPLE_FORMATS: SuffixRegistry[SampleFormat] = SuffixRegistry(
 )
 
 
-def read_pose_samples(path: str | os.PathLike[str]) -> SampleFile:
+def read_pose_samples(path: str | os.PathLike[str], conventions: PoseConventions | None = None) -> SampleFile:
     """Samples of the pose error.
+
+    Parameters
+    ----------
+    conventions
+        What the user says of the poses, where the names of the columns do not.
 
     Raises
     ------
     InputError
         With file, line and column, if anything in it cannot be used.
     """
-    document = SampleDocument(Path(path))
+    document = SampleDocument(Path(path), conventions)
     formats = [format_ for format_ in SAMPLE_FORMATS if document.suffix in format_.suffixes]
     if not formats:
         expected = f"one of {', '.join(SAMPLE_FORMATS.suffixes)}"

@@ -1,7 +1,8 @@
 """The file of explicit viewpoints: CSV with ``id, x, y, z, qw, qx, qy, qz``.
 
 Each row is a pose ``T_part_camera``: position in mm and unit quaternion, scalar first. The header names the
-columns, so their order is free; further columns are ignored.
+columns, so their order is free; further columns are ignored. A file of another format of poses
+(:mod:`~viewgauge.formats.poses.pose_formats`) is read as such.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from ...exceptions import InputError, ViewpointsFileError
 from ...geometry import pose_from_quaternion, quaternion_from_pose, require_poses
 from ..files.atomic import write_text_atomically
 from ..files.text import read_text
+from .pose_formats import is_pose_file, read_poses
 
 __all__ = ["COLUMNS", "read_viewpoints", "write_viewpoints"]
 
@@ -34,7 +36,7 @@ _Row = tuple[int, str, list[str]]
 
 
 def read_viewpoints(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
-    """Ids and poses ``T_part_camera`` ``(n, 4, 4)``, mm, of a viewpoints file.
+    """Ids and poses ``T_part_camera`` ``(n, 4, 4)``, mm, of a viewpoints file, or of another format of poses.
 
     Raises
     ------
@@ -42,6 +44,9 @@ def read_viewpoints(path: str | os.PathLike[str]) -> tuple[tuple[str, ...], NDAr
         With file, line and column, if anything in it cannot be used.
     """
     text = read_text(path, ViewpointsFileError)
+    if not _has_own_header(text) and is_pose_file(path):
+        poses = read_poses(path)
+        return poses.names, poses.poses
     lines: dict[str, int] = {}  # by id
     numbers = array("d")  # seven of each row
     try:
@@ -84,6 +89,11 @@ def write_viewpoints(path: str | os.PathLike[str], ids: Sequence[str], poses: Ar
     for name, T, quaternion in zip(ids, T_part_camera, quaternion_from_pose(T_part_camera), strict=True):
         writer.writerow([name, *(repr(float(number)) for number in (*T[:3, 3], *quaternion))])
     write_text_atomically(path, buffer.getvalue())
+
+
+def _has_own_header(text: str) -> bool:
+    first = next((line for line in text[:10_000].splitlines() if line.strip()), "")
+    return set(COLUMNS) <= {cell.strip() for cell in re.split("[,;\t]", first)}
 
 
 def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:

@@ -10,10 +10,11 @@ from ...exceptions import InputError
 from ...formats.files.registry import Registry
 from .camera_conversion import CameraConversion
 from .conversion import Conversion, Converted
+from .pose_conversion import PoseConversion
 
 __all__ = ["CONVERSIONS", "convert"]
 
-CONVERSIONS: Registry[Conversion] = Registry(CameraConversion())
+CONVERSIONS: Registry[Conversion] = Registry(PoseConversion(), CameraConversion())
 
 
 def convert(

@@ -124,6 +124,14 @@ class BoardViews:
     resolution: tuple[int, int]
     in_hand: Literal["camera", "board"]
 
+    def fitted(self, start: Intrinsics | None = None) -> Intrinsics:
+        """The camera by all the views."""
+        return fit_intrinsics(self.points_mm, self.places_px, self.resolution, start)
+
+    def boards(self, rows: Sequence[int], camera: Intrinsics) -> NDArray[np.float64]:
+        """``(n, 4, 4)`` mm: ``T_camera_board`` of some of the views."""
+        return np.array([board_pose(self.points_mm[k], self.places_px[k], camera) for k in rows])
+
     def calibrated(
         self, rows: Sequence[int], given: Intrinsics | None = None, start: Intrinsics | None = None
     ) -> tuple[Intrinsics, RobotCalibration]:
@@ -134,7 +142,7 @@ class BoardViews:
 
     def seen(self, rows: Sequence[int], camera: Intrinsics) -> NDArray[np.float64]:
         """``(n, 4, 4)`` mm: M of some of the views."""
-        poses = np.array([board_pose(self.points_mm[k], self.places_px[k], camera) for k in rows])
+        poses = self.boards(rows, camera)
         return poses if self.in_hand == "board" else invert(poses)
 
     def noise(self, camera: Intrinsics, robot: RobotCalibration) -> NDArray[np.float64]:

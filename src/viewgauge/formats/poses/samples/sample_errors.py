@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...measurement import PoseSamples
+from ....measurement import PoseSamples
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["ErrorSamples"]
@@ -19,4 +19,5 @@ class ErrorSamples:
         errors = None if document.table is None else document.table.errors()
         if document.table is None or errors is None:
             return None
+        document.table.require_used()
         return SampleFile(PoseSamples(errors, document.table.names), "pose errors")

@@ -7,11 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
-from ...exceptions import InputError
-from ...measurement import PoseSamples
-from ..files.problems import Problems
-from ..files.text import read_text
-from ..files.yaml_tree import YamlTree, parse_yaml
+from ....exceptions import InputError
+from ....findings import Finding
+from ....measurement import PoseSamples
+from ...files.problems import Problems
+from ...files.text import read_text
+from ...files.yaml_tree import YamlTree, parse_yaml
+from ..pose_file import PoseConventions
 from .sample_table import SampleTable
 
 __all__ = ["SampleDocument", "SampleFile", "SampleFormat"]
@@ -19,18 +21,19 @@ __all__ = ["SampleDocument", "SampleFile", "SampleFormat"]
 
 @dataclass(frozen=True)
 class SampleFile:
-    """The samples, their kind in words, and how many commanded poses were visited repeatedly (0 if none)."""
+    """The samples, their kind in words, how many commanded poses were visited repeatedly (0 if none), and findings."""
 
     samples: PoseSamples
     kind: str
     groups: int = 0
+    findings: tuple[Finding, ...] = ()
 
 
 class SampleDocument:
     """A file that may hold samples; it is read as a format asks, as a table or as a tree."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, conventions: PoseConventions | None = None) -> None:
+        self.path, self.conventions = path, conventions
 
     @property
     def suffix(self) -> str:
@@ -40,7 +43,7 @@ class SampleDocument:
     @cached_property
     def table(self) -> SampleTable | None:
         """The columns of a CSV file; None where it is none by its name; raises InputError."""
-        return SampleTable.read(self.path) if self.suffix == ".csv" else None
+        return SampleTable.read(self.path, self.conventions) if self.suffix == ".csv" else None
 
     @cached_property
     def tree(self) -> YamlTree | None:

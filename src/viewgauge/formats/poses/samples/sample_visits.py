@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...measurement import PoseSamples, errors_about_group_means
+from ....measurement import PoseSamples, errors_about_group_means
+from ....measurement.pose.sample_findings import position_findings
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["VisitSamples"]
@@ -22,6 +23,8 @@ class VisitSamples:
         poses, visits = table.poses(""), table.text("pose")
         if poses is None or visits is None:
             return None
+        table.require_used()
         errors, groups = errors_about_group_means(poses, visits)
         samples = PoseSamples(errors, table.names, repeated=True)
-        return SampleFile(samples, f"repeated visits of {groups} poses", groups)
+        findings = tuple(position_findings(poses[:, :3, 3], str(document.path)))
+        return SampleFile(samples, f"repeated visits of {groups} poses", groups, findings)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from ...measurement import PoseSamples, errors_of_poses
+import numpy as np
+
+from ....measurement import PoseSamples, errors_of_poses
+from ....measurement.pose.sample_findings import pair_findings, position_findings
 from .sample_file import SampleDocument, SampleFile
 
 __all__ = ["CommandedSamples"]
@@ -19,8 +22,15 @@ class CommandedSamples:
         table = document.table
         if table is None:
             return None
-        commanded, measured = table.poses(""), table.poses("measured_")
+        measured = table.poses("measured_", "actual_")
+        commanded = table.poses("commanded_", "nominal_", "target_", "")
         if commanded is None or measured is None:
             return None
+        table.require_used()
+        where = str(document.path)
+        findings = (
+            *position_findings(np.concatenate([commanded[:, :3, 3], measured[:, :3, 3]]), where),
+            *pair_findings(commanded, measured, table.names, where),
+        )
         samples = PoseSamples(errors_of_poses(commanded, measured), table.names)
-        return SampleFile(samples, "poses commanded and measured")
+        return SampleFile(samples, "poses commanded and measured", findings=findings)

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ...exceptions import InputError
-from ...geometry import pose_from_quaternion
-from ...measurement import PoseSamples, errors_of_poses, fit_serial_arm
+from ....exceptions import InputError
+from ....geometry import pose_from_quaternion
+from ....measurement import PoseSamples, errors_of_poses, fit_serial_arm
 from .sample_file import SampleDocument, SampleFile
 from .sample_table import POSE_COLUMNS
 
