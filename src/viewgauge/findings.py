@@ -10,11 +10,15 @@ unless it is accepted; another is shown as a warning, and is not shown once it i
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from .exceptions import InputError
 
-__all__ = ["Finding", "admit"]
+__all__ = ["NAMES", "Finding", "admit", "require_known"]
+
+NAMES: dict[str, str] = {}
+"""What each finding is about, by its name; the how-to page lists them."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,10 @@ class Finding:
             text += f". Likely cause: {self.cause}"
         return f"{text} [{self.name}]"
 
+    def document(self) -> dict[str, Any]:
+        """The finding as plain data, with its sentence as ``message``."""
+        return {**asdict(self), "message": str(self)}
+
 
 def admit(findings: Iterable[Finding], accepted: Collection[str] = ()) -> tuple[Finding, ...]:
     """Those findings that are shown as warnings: not accepted, and not refused.
@@ -73,3 +81,23 @@ def admit(findings: Iterable[Finding], accepted: Collection[str] = ()) -> tuple[
             f"file, or --accept on the command line",
         )
     return tuple(open_ones)
+
+
+def require_known(accepted: Iterable[str], findings: Iterable[Finding] = ()) -> None:
+    """Raise InputError if a name is accepted that no finding has: neither one of :data:`NAMES` nor one that was made.
+
+    Parameters
+    ----------
+    findings
+        Those that were made.
+    """
+    known = {*NAMES, *(finding.name for finding in findings)}
+    unknown = [name for name in accepted if name not in known]
+    if unknown:
+        raise InputError(
+            "no finding has this name",
+            key="accept",
+            got=", ".join(unknown),
+            expected=f"names of findings: {', '.join(sorted(known))}",
+            hint="a finding's name stands in brackets at the end of its warning",
+        )

@@ -30,6 +30,7 @@ from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Seed, Work
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
 from .progress import Bars
+from .reading import read_inspection
 from .schema import schema
 from .workbench import workbench
 
@@ -99,8 +100,7 @@ def _plan(
 
     bars = Bars()
     with output_folder(output):
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, meanwhile=lambda: vg.plan)  # which imports it
+        inspection = read_inspection(file, part, meanwhile=lambda: vg.plan)  # which imports it
         with vg.open_executor(scheduler, workers) as executor:
             plan = vg.plan(
                 inspection,
@@ -168,8 +168,7 @@ def _evaluate(
         require_table_name(output)
     bars = Bars()
     with output_folder(output.parent) if output is not None else nullcontext():
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, meanwhile=lambda: vg.evaluate_into)  # which imports it
+        inspection = read_inspection(file, part, meanwhile=lambda: vg.evaluate_into)  # which imports it
         with vg.open_executor(scheduler, workers) as executor:
             evaluation = vg.evaluate_into(
                 inspection,
@@ -204,8 +203,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
         Read this inspection file (YAML).
     """
 
-    with Bars().stage("Reading the inspection and its part"):
-        document = vg.check(vg.load(file, part=part))
+    document = vg.check(read_inspection(file, part))
     if json:
         print_json(document)
     else:

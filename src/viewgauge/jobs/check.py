@@ -37,6 +37,7 @@ def check(inspection: Inspection) -> dict[str, Any]:
         ],
         "not_measurable": not_measurable,
         "inputs": dict(inspection.inputs),
+        "findings": [finding.document() for finding in inspection.findings],
     }
 
 

@@ -38,7 +38,7 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
 
     budgets = error_budgets(inspection, plan)
     figures = capability_of_characteristics(inspection, plan, budgets)
-    return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
+    return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures, inspection.findings)
 
 
 def describe_answers(answers: Improvement | Specification, inspection: Inspection) -> dict[str, Any]:
@@ -132,7 +132,9 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
     place = make_folder(folder)
     details = plan_details(plan, inspection)
     write_text_atomically(place / "report.html", plan_report(plan, inspection, details))
-    document = plan_document(plan, inspection.requirement, inspection.inputs, details.budgets, details.figures)
+    document = plan_document(
+        plan, inspection.requirement, inspection.inputs, details.budgets, details.figures, inspection.findings
+    )
     write_plan_files(plan, document, place)
 
 

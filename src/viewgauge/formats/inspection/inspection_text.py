@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar, cast
 
 from ...exceptions import InspectionFileError
+from ...findings import Finding
 from ..files.problems import KeyPath, Problems, dotted
 from ..files.text import read_text
 from ..files.yaml_tree import parse_yaml
@@ -26,12 +27,15 @@ class InspectionText:
     ----------
     within
         The only folder from which other files may be read; None for any.
+    findings
+        What readers of sections and of files that they name found implausible; they add to it.
     """
 
     path: Path
     sections: dict[str, object]
     problems: Problems
     within: Path | None = None
+    findings: list[Finding] = field(default_factory=list)
 
     @property
     def part_file(self) -> Path | None:

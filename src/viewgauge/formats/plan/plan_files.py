@@ -16,6 +16,7 @@ import numpy as np
 
 from ...evaluation import CapabilityFigures, Requirement
 from ...evaluation.error_budget import ErrorBudget
+from ...findings import Finding
 from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
@@ -30,6 +31,7 @@ def plan_document(
     inputs: Mapping[str, str],
     budgets: Mapping[str, ErrorBudget],
     figures: Mapping[str, CapabilityFigures],
+    findings: Sequence[Finding] = (),
 ) -> dict[str, Any]:
     """The plan as JSON-ready data (lengths mm; what is not defined is null)."""
     characteristics = [
@@ -44,6 +46,7 @@ def plan_document(
         "version": version("viewgauge"),
         "seed": plan.seed,
         "inputs": dict(inputs),
+        "findings": [finding.document() for finding in findings],
         "requirement": asdict(requirement),
         "viewpoints": [
             {"id": s.id, "T_part_camera": np.asarray(s.T_part_camera).tolist(), "observes": list(s.observes)}
