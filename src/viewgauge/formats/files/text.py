@@ -7,7 +7,16 @@ from pathlib import Path
 
 from ...exceptions import InputError
 
-__all__ = ["read_text"]
+__all__ = ["read_text", "unusable_character"]
+
+
+def unusable_character(text: str) -> str | None:
+    """What makes a text unusable: a character that no file can hold; None where there is none."""
+    if "\0" in text:
+        return "the character 0"
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        return "half of a surrogate pair"
+    return None
 
 
 def read_text(path: str | os.PathLike[str], error_type: type[InputError]) -> str:

@@ -76,7 +76,7 @@ class InspectionText:
         try:
             return read(path, *arguments)
         except InspectionFileError as error:
-            if path.is_file():
+            if os.path.isfile(path):
                 self.problems.found.append(error)
             else:  # then the place to mend is here
                 self.problems.add(where, error.problem, got=path, hint=error.hint)
