@@ -17,7 +17,36 @@ from .exceptions import InputError
 
 __all__ = ["NAMES", "Finding", "admit", "require_known"]
 
-NAMES: dict[str, str] = {}
+NAMES: dict[str, str] = {
+    "allowed_error_above_tolerance": "the requirement allows an error larger than the tolerance",
+    "allowed_error_small": "the requirement allows hardly any error",
+    "blur_limit": "a large circle of confusion counts as in focus",
+    "candidate_distance": "candidates are nearer than any camera focuses, or very far",
+    "edge_detector": "the edge detector is exact, or coarse",
+    "f_number": "no usual lens has this aperture",
+    "field_of_view": "no usual lens has this field of view on this sensor",
+    "focal_length": "no usual lens has this focal length",
+    "focus_distance": "the lens is focused nearer than usual lenses can be",
+    "frame_position": "the pose error frame is far from the camera",
+    "grazing_angle": "faces count as seen from nearly straight above alone",
+    "image_shape": "the image is a narrow strip",
+    "line_scan": "the image is a line or a few",
+    "margin": "the margin leaves nothing of the image",
+    "minimum_length": "no image of a measurand is as long as is asked for",
+    "nothing_fits": "characteristics are far larger or smaller than the field of view",
+    "out_of_focus": "nothing is in focus at the distances of the candidates",
+    "part_size": "the part is smaller or larger than parts that are measured by images",
+    "pixel_pitch": "no usual sensor has such pixels",
+    "pixel_shape": "pixels are far from square",
+    "pose_rotation": "the orientation is known exactly, or better or worse than robots and stages hold it",
+    "pose_translation": "the position is known exactly, or better or worse than robots and stages hold it",
+    "principal_point": "the principal point is far from the middle of the image",
+    "probability": "the required probability is below that of a coin",
+    "sensor_size": "no usual sensor is of this size",
+    "tolerance_size": "a tolerance is larger than its length",
+    "viewpoint_inside_part": "a given viewpoint is inside the part",
+    "viewpoint_looks_away": "a given viewpoint does not look at the part",
+}
 """What each finding is about, by its name; the how-to page lists them."""
 
 

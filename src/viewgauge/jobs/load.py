@@ -85,7 +85,7 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
         viewpoints=viewpoints,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
     )
-    return replace(inspection, findings=_admitted(inspection, file))
+    return replace(inspection, findings=_admitted(inspection, file), accepted=file.accepted)
 
 
 def _admitted(inspection: Inspection, file: InspectionFile) -> tuple[Finding, ...]:
@@ -93,7 +93,9 @@ def _admitted(inspection: Inspection, file: InspectionFile) -> tuple[Finding, ..
     from ..planning.plausibility import implausible
 
     of_part: tuple[Finding, ...] = getattr(inspection.part, "findings", ())
-    findings = tuple(dict.fromkeys((*of_part, *file.findings, *implausible(inspection))))
+    read = tuple(dict.fromkeys((*of_part, *file.findings)))
+    said = {finding.name for finding in read}  # by whoever read the file, who knows more of it
+    findings = (*read, *(finding for finding in implausible(inspection) if finding.name not in said))
     try:
         require_known(file.accepted, findings)
         return admit(findings, file.accepted)

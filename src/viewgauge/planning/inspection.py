@@ -69,6 +69,8 @@ class Inspection:
         SHA-256 of each input file, by its name; empty where nothing was read.
     findings
         What is implausible in it and not accepted: every command shows these as warnings.
+    accepted
+        Names of findings that are meant as they are.
     """
 
     part: Part
@@ -83,6 +85,7 @@ class Inspection:
     name: str = "inspection"
     inputs: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    accepted: tuple[str, ...] = ()
 
     @property
     def setup(self) -> Setup:
