@@ -36,6 +36,7 @@ NAMES: dict[str, str] = {
     "nothing_fits": "characteristics are far larger or smaller than the field of view",
     "out_of_focus": "nothing is in focus at the distances of the candidates",
     "part_size": "the part is smaller or larger than parts that are measured by images",
+    "plan_inputs": "a plan was made from other files than those it is used with",
     "pixel_pitch": "no usual sensor has such pixels",
     "pixel_shape": "pixels are far from square",
     "pose_rotation": "the orientation is known exactly, or better or worse than robots and stages hold it",

@@ -103,7 +103,7 @@ def plain_output(*, escape: bool = True) -> Iterator[None]:
             stream.reconfigure(errors="backslashreplace")  # a name that the terminal cannot show is no failure
     before, warnings = (sys.stdout, sys.stderr), _Warnings(logging.WARNING)
     log = logging.getLogger("viewgauge.jobs")
-    sys.stdout, sys.stderr = (_PlainText(stream, escape) for stream in before)  # type: ignore[assignment]
+    sys.stdout, sys.stderr = (_PlainText(stream, escape) for stream in before)
     log.addHandler(warnings)
     try:
         yield

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -118,6 +119,8 @@ class Plan(Drawable):
         was not asked.
     interrupted
         A step was interrupted: the plan is the best so far.
+    inputs
+        SHA-256 of each input file that a plan was made from, by its name, where it was read from a file; else empty.
     """
 
     seed: int
@@ -128,6 +131,7 @@ class Plan(Drawable):
     refinement: Refinement | None = None
     anywhere: ViewpointsBound | None = None
     interrupted: bool = False
+    inputs: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
     def count(self) -> int:

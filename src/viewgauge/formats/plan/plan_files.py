@@ -20,7 +20,9 @@ from ...findings import Finding
 from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
+from ..files.spreadsheet_text import to_cell
 from ..poses.viewpoints_file import write_viewpoints
+from .plan_schema import checksum
 
 __all__ = ["plan_document", "write_plan_files"]
 
@@ -42,7 +44,7 @@ def plan_document(
         }
         for characteristic in plan.characteristics
     ]
-    return {
+    document = {
         "version": version("viewgauge"),
         "seed": plan.seed,
         "inputs": dict(inputs),
@@ -62,6 +64,7 @@ def plan_document(
         "candidates": plan.candidate_count,
         "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.characteristics),
     }
+    return {**document, "checksum": checksum(document)}
 
 
 def _refinement_document(refinement: Refinement, characteristics: Sequence[PlannedCharacteristic]) -> dict[str, Any]:
@@ -168,8 +171,8 @@ def _assignments(plan: Plan) -> str:
             ):
                 writer.writerow(
                     [
-                        characteristic.id,
-                        acquisition.viewpoint,
+                        to_cell(characteristic.id),
+                        to_cell(acquisition.viewpoint),
                         repr(characteristic.probability),
                         repr(characteristic.expected_accuracy),
                     ]

@@ -18,6 +18,7 @@ from ..files.text import read_text
 __all__ = ["POSE_COLUMNS", "SampleTable"]
 
 POSE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_MOST = 1e9  # of any unit
 _LENGTH = {"_mm": 1.0, "_um": 1e-3, "_m": 1e3}
 _ANGLE = {"_mrad": 1e-3, "_rad": 1.0, "_deg": math.pi / 180}
 _ERRORS = ("dx", "dy", "dz", "rx", "ry", "rz")
@@ -105,6 +106,7 @@ class SampleTable:
                 numbers[k] = float(row[place])
             except ValueError:
                 numbers[k] = np.nan
-            if not np.isfinite(numbers[k]):
-                raise InputError("not a finite number", file=self.path, line=line, key=name, got=row[place])
+            if not np.abs(numbers[k]) <= _MOST:
+                problem = "the number is too large" if np.isfinite(numbers[k]) else "not a finite number"
+                raise InputError(problem, file=self.path, line=line, key=name, got=row[place])
         return numbers

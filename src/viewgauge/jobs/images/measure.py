@@ -19,7 +19,8 @@ from ...execution.chunks import EvaluationJob, evaluator_of
 from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
 from ...formats.files.images import read_grey, write_overlay
-from ...formats.plan.plan_reader import PlannedMeasurement, read_plan
+from ...formats.files.spreadsheet_text import to_cell
+from ...formats.plan.plan_reader import PlannedMeasurement, read_plan, read_whole_plan
 from ...measurement.image.edges import EdgeFinder
 from ...measurement.image.expected_edges import ExpectedMeasurand
 from ...measurement.image.image_pose import ImagePose, find_image_pose
@@ -31,6 +32,7 @@ from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
+from ..read_plan import require_plan_of
 from ..write import make_folder
 
 __all__ = ["Edges", "Measured", "Verdict", "expected_measurand", "measure", "require_edges", "seen_measurands"]
@@ -111,6 +113,7 @@ def measure(
         If the plan cannot be read or is another part's, or there is no image of any of its viewpoints.
     """
     require_edges(edges)
+    require_plan_of(read_whole_plan(Path(plan)), inspection)
     planned, progress = read_plan(Path(plan)), progress or Silent()
     poses = {p.viewpoint: p.T_part_camera for p in planned}
     known = _all_seen(inspection, poses)
@@ -349,5 +352,6 @@ def _table(rows: Sequence[Measured]) -> str:
         numbers = [row.nominal_mm, row.measured_mm, deviation, row.expanded_uncertainty_mm]
         numbers += [None, None] if row.tolerance_mm is None else list(row.tolerance_mm)
         reported = ["" if value is None else repr(float(value)) for value in numbers]
-        writer.writerow([row.image, row.viewpoint, row.characteristic, *reported, row.verdict, row.reason])
+        names = [to_cell(name) for name in (row.image, row.viewpoint, row.characteristic)]
+        writer.writerow([*names, *reported, row.verdict, row.reason])
     return text.getvalue()

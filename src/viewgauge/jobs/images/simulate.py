@@ -19,6 +19,7 @@ from ...execution.chunks import EvaluationJob
 from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
 from ...formats.files.images import write_png
+from ...formats.files.spreadsheet_text import to_cell
 from ...geometry import quaternion_from_pose
 from ...measurement.image.measurand_image import measurand_windows
 from ...planning.inspection import ExplicitViewpoints, Inspection
@@ -109,7 +110,15 @@ def simulate(
             poses = displaced_poses(T, inspection.pose_error, repeats, np.random.default_rng([seed, number]))
             for repeat, pose in enumerate(poses, start=1):
                 file = f"{name}_{repeat:04d}.png"
-                rows.append([file, name, repeat, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
+                rows.append(
+                    [
+                        to_cell(file),
+                        to_cell(name),
+                        repeat,
+                        *map(_text, pose[:3, 3]),
+                        *map(_text, quaternion_from_pose(pose)),
+                    ]
+                )
                 simulation.write(file, pose, windows[number], (number, repeat))
                 advance(1)
     write_text_atomically(place / "acquisitions.csv", _true_poses(rows))

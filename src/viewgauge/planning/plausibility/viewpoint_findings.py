@@ -43,7 +43,7 @@ def viewpoint_findings(
     ):
         by_cause: dict[str, list[str]] = {}
         for k in np.flatnonzero(chosen):
-            by_cause.setdefault(_cause(T_part_camera[k], mesh, camera, points), []).append(ids[k])
+            by_cause.setdefault(_cause(T_part_camera[k], mesh, camera, points), []).append(ids[int(k)])
         for cause, names in by_cause.items():
             if name == "viewpoint_looks_away" and not cause and len(names) < len(ids):
                 continue  # candidates that happen to look beside the part do no harm
@@ -72,7 +72,7 @@ def inside_part(centres: NDArray[np.float64], mesh: Mesh) -> NDArray[np.bool_]:
         )
         inside[k] = abs(2 * np.arctan2(volume, rest).sum()) > 2 * np.pi
     inside[np.setdiff1d(np.flatnonzero(inside), some)] = False
-    return inside
+    return np.asarray(inside)
 
 
 def _sees(T_part_camera: Poses, camera: Camera, points: NDArray[np.float64]) -> NDArray[np.bool_]:
