@@ -11,10 +11,10 @@ from pydantic import ConfigDict, Field, model_validator
 from ...exceptions import InputError
 from ...geometry import PoseError, pose_from_quaternion
 from ...measurement.pose.pose_covariance import small_sample_factor
+from ..files.physical_bounds import BOUNDS
 from ..files.problems import KeyPath
 from ..poses.covariance_file import read_covariance
 from .inspection_text import InspectionText
-from .physical_bounds import BOUNDS
 from .validation import build, validate
 from .values import AngleDeviations, Apart, LengthDeviations, Name, Point, Quaternion, Section
 

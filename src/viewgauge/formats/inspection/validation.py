@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ...exceptions import InputError
+from ..files.physical_bounds import within_bounds
 from ..files.problems import KeyPath, Problems
-from .physical_bounds import within_bounds
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, evaluator_of
 from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
-from ...formats.files.images import read_grey, write_overlay
+from ...formats.files.images import image_size, read_grey, write_overlay
 from ...formats.files.spreadsheet_text import to_cell
 from ...formats.plan.plan_reader import PlannedMeasurement, read_plan, read_whole_plan
 from ...measurement.image.edges import EdgeFinder
@@ -39,6 +40,8 @@ __all__ = ["Edges", "Measured", "Verdict", "expected_measurand", "measure", "req
 
 Verdict = Literal["pass", "fail", "undecided", "measured", "not measured"]
 Edges = Literal["sub-pixel", "whole-pixel"]
+
+_log = logging.getLogger(__name__)
 
 _COVERAGE_FACTOR = 2.0
 _BLUR_PX, _NO_NOISE = 0.6, 5e-4  # of the image of a rehearsal
@@ -130,6 +133,12 @@ def measure(
     with progress.stage(f"Measuring in {len(files)} images", len(files)) as advance:
         for file, viewpoint in files:
             mine = [p for p in planned if p.viewpoint == viewpoint]
+            why = _other_size(file, inspection)
+            if why:
+                _log.warning("%s: %s", file, why)
+                found += [_judged(file.name, p, None, why, inspection, edges) for p in mine]
+                advance(1)
+                continue
             grey = read_grey(file)
             expected = [measurands[p.characteristic, p.viewpoint] for p in mine]
             seen, why = _seen(grey, mine, expected, known[viewpoint], inspection)
@@ -227,6 +236,14 @@ def _images(folder: Path, viewpoints: Sequence[str]) -> list[tuple[Path, str]]:
     return found
 
 
+def _other_size(file: Path, inspection: Inspection) -> str:
+    """Why an image is not one of the camera's, by the size that its header states; empty where it is."""
+    (columns, rows), of_camera = image_size(file), inspection.camera.resolution
+    if (columns, rows) == tuple(of_camera):
+        return ""
+    return f"the image is {columns} x {rows} px, the camera's {of_camera[0]} x {of_camera[1]}"
+
+
 def _seen(
     grey: NDArray[np.float64],
     planned: Sequence[PlannedMeasurement],
@@ -236,10 +253,6 @@ def _seen(
 ) -> tuple[list[MeasurandImage | None], str]:
     """The measurands in an image, found with the help of all that is known to be seen; or none of them, and why."""
     camera, pose_error = inspection.camera, inspection.pose_error
-    columns, rows = camera.resolution
-    if grey.shape != (rows, columns):
-        why = f"the image is {grey.shape[1]} x {grey.shape[0]} px, the camera's {columns} x {rows}"
-        return [None] * len(planned), why
     T = planned[0].T_part_camera
     windows = [
         window for measurand in (*measurands, *known) for window in measurand_windows(measurand, T, camera, pose_error)

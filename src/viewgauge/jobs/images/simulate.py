@@ -110,15 +110,7 @@ def simulate(
             poses = displaced_poses(T, inspection.pose_error, repeats, np.random.default_rng([seed, number]))
             for repeat, pose in enumerate(poses, start=1):
                 file = f"{name}_{repeat:04d}.png"
-                rows.append(
-                    [
-                        to_cell(file),
-                        to_cell(name),
-                        repeat,
-                        *map(_text, pose[:3, 3]),
-                        *map(_text, quaternion_from_pose(pose)),
-                    ]
-                )
+                rows.append([file, name, repeat, *map(_text, pose[:3, 3]), *map(_text, quaternion_from_pose(pose))])
                 simulation.write(file, pose, windows[number], (number, repeat))
                 advance(1)
     write_text_atomically(place / "acquisitions.csv", _true_poses(rows))
@@ -156,7 +148,7 @@ def _true_poses(rows: Sequence[Sequence[object]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["image", "viewpoint", "repeat", "x", "y", "z", "qw", "qx", "qy", "qz"])
-    writer.writerows(rows)
+    writer.writerows([to_cell(str(cell)) for cell in row[:2]] + list(row[2:]) for row in rows)
     return text.getvalue()
 
 

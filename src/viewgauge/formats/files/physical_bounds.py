@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import BaseModel
 
-from ..files.problems import KeyPath, Problems
+from .problems import KeyPath, Problems
 
 __all__ = ["BOUNDS", "Bounds", "bounds_of", "within_bounds"]
 
@@ -87,7 +87,8 @@ def within_bounds(section: BaseModel, path: KeyPath, problems: Problems) -> bool
         magnitudes = _magnitudes(value)
         if bounds is None or not magnitudes:
             continue
-        wrong = [x for x in magnitudes if x != 0 and not bounds.least <= x <= bounds.most]
+        # what is no number at all is judged by what the section builds
+        wrong = [x for x in magnitudes if x != 0 and math.isfinite(x) and not bounds.least <= x <= bounds.most]
         if wrong:
             right = False
             problems.add(
