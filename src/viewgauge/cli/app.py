@@ -98,7 +98,7 @@ def _plan(
     from ..jobs.write import describe_plan, output_folder
 
     bars = Bars()
-    with output_folder(output):
+    with output_folder(output, alone=True):
         inspection = read_inspection(file, part, meanwhile=lambda: vg.plan)  # which imports it
         with vg.open_executor(scheduler, workers) as executor:
             plan = vg.plan(

@@ -71,7 +71,7 @@ def simulate(
     from ..jobs.write import output_folder
 
     bars = Bars()
-    with output_folder(output):
+    with output_folder(output, alone=True):
         inspection = read_inspection(file, part, chord_error_mm=chord_error)
         sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = vg.simulate(
@@ -123,7 +123,7 @@ def measure(
     from ..jobs.write import output_folder
 
     bars = Bars()
-    with output_folder(output) if output is not None else nullcontext():
+    with output_folder(output, alone=True) if output is not None else nullcontext():
         inspection = read_inspection(file, part)
         rows = vg.measure(inspection, plan, images, output, edges=edges, progress=bars)
     if json:

@@ -17,6 +17,7 @@ from ..files.yaml_tree import parse_yaml
 __all__ = ["InspectionText", "read_inspection_text"]
 
 _Content = TypeVar("_Content")
+_MOST_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def read_inspection_text(path: str | os.PathLike[str], within: Path | None = Non
     InspectionFileError
         If it cannot be read or has none.
     """
-    text = read_text(path, InspectionFileError)
+    text = read_text(path, InspectionFileError, _MOST_BYTES)
     if text.startswith("ISO-10303-21"):
         raise InspectionFileError(
             "this is a STEP file, not an inspection file",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import logging
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -223,10 +224,12 @@ def _rehearsed(
 
 def _images(folder: Path, viewpoints: Sequence[str]) -> list[tuple[Path, str]]:
     """Images of the viewpoints, by name."""
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise InputError("the folder of images does not exist", file=folder, hint="check the path")
     found = []
     for file in sorted(folder.iterdir()):
+        if not os.path.isfile(file):  # nor a pipe, which may never be written to
+            continue
         for viewpoint in viewpoints:
             if re.fullmatch(re.escape(viewpoint) + r"(_\d+)?" + _SUFFIXES, file.name, re.IGNORECASE):
                 found.append((file, viewpoint))
