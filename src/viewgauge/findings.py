@@ -10,11 +10,45 @@ unless it is accepted; another is shown as a warning, and is not shown once it i
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from .exceptions import InputError
 
-__all__ = ["Finding", "admit"]
+__all__ = ["NAMES", "Finding", "admit", "require_known"]
+
+NAMES: dict[str, str] = {
+    "allowed_error_above_tolerance": "the requirement allows an error larger than the tolerance",
+    "allowed_error_small": "the requirement allows hardly any error",
+    "blur_limit": "a large circle of confusion counts as in focus",
+    "candidate_distance": "candidates are nearer than any camera focuses, or very far",
+    "edge_detector": "the edge detector is exact, or coarse",
+    "f_number": "no usual lens has this aperture",
+    "field_of_view": "no usual lens has this field of view on this sensor",
+    "focal_length": "no usual lens has this focal length",
+    "focus_distance": "the lens is focused nearer than usual lenses can be",
+    "frame_position": "the pose error frame is far from the camera",
+    "grazing_angle": "faces count as seen from nearly straight above alone",
+    "image_shape": "the image is a narrow strip",
+    "line_scan": "the image is a line or a few",
+    "margin": "the margin leaves nothing of the image",
+    "minimum_length": "no image of a measurand is as long as is asked for",
+    "nothing_fits": "characteristics are far larger or smaller than the field of view",
+    "out_of_focus": "nothing is in focus at the distances of the candidates",
+    "part_size": "the part is smaller or larger than parts that are measured by images",
+    "plan_inputs": "a plan was made from other files than those it is used with",
+    "pixel_pitch": "no usual sensor has such pixels",
+    "pixel_shape": "pixels are far from square",
+    "pose_rotation": "the orientation is known exactly, or better or worse than robots and stages hold it",
+    "pose_translation": "the position is known exactly, or better or worse than robots and stages hold it",
+    "principal_point": "the principal point is far from the middle of the image",
+    "probability": "the required probability is below that of a coin",
+    "sensor_size": "no usual sensor is of this size",
+    "tolerance_size": "a tolerance is larger than its length",
+    "viewpoint_inside_part": "a given viewpoint is inside the part",
+    "viewpoint_looks_away": "a given viewpoint does not look at the part",
+}
+"""What each finding is about, by its name; the how-to page lists them."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +88,10 @@ class Finding:
             text += f". Likely cause: {self.cause}"
         return f"{text} [{self.name}]"
 
+    def document(self) -> dict[str, Any]:
+        """The finding as plain data, with its sentence as ``message``."""
+        return {**asdict(self), "message": str(self)}
+
 
 def admit(findings: Iterable[Finding], accepted: Collection[str] = ()) -> tuple[Finding, ...]:
     """Those findings that are shown as warnings: not accepted, and not refused.
@@ -73,3 +111,23 @@ def admit(findings: Iterable[Finding], accepted: Collection[str] = ()) -> tuple[
             f"file, or --accept on the command line",
         )
     return tuple(open_ones)
+
+
+def require_known(accepted: Iterable[str], findings: Iterable[Finding] = ()) -> None:
+    """Raise InputError if a name is accepted that no finding has: neither one of :data:`NAMES` nor one that was made.
+
+    Parameters
+    ----------
+    findings
+        Those that were made.
+    """
+    known = {*NAMES, *(finding.name for finding in findings)}
+    unknown = [name for name in accepted if name not in known]
+    if unknown:
+        raise InputError(
+            "no finding has this name",
+            key="accept",
+            got=", ".join(unknown),
+            expected=f"names of findings: {', '.join(sorted(known))}",
+            hint="a finding's name stands in brackets at the end of its warning",
+        )

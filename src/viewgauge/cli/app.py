@@ -8,11 +8,9 @@ from __future__ import annotations
 import atexit
 import gc
 import logging
-import os
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
-from io import TextIOWrapper
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -32,7 +30,9 @@ from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Seed, Work
 from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
 from .progress import Bars
+from .reading import read_inspection
 from .schema import schema
+from .terminal import OutputError, discard_output, open_standard_streams, plain_output
 from .workbench import workbench
 
 __all__ = ["main"]
@@ -100,9 +100,8 @@ def _plan(
     from ..jobs.write import describe_plan, output_folder
 
     bars = Bars()
-    with output_folder(output):
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, meanwhile=lambda: vg.plan)  # which imports it
+    with output_folder(output, alone=True):
+        inspection = read_inspection(file, part, meanwhile=lambda: vg.plan)  # which imports it
         with vg.open_executor(scheduler, workers) as executor:
             plan = vg.plan(
                 inspection,
@@ -170,8 +169,7 @@ def _evaluate(
         require_table_name(output)
     bars = Bars()
     with output_folder(output.parent) if output is not None else nullcontext():
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, meanwhile=lambda: vg.evaluate_into)  # which imports it
+        inspection = read_inspection(file, part, meanwhile=lambda: vg.evaluate_into)  # which imports it
         with vg.open_executor(scheduler, workers) as executor:
             evaluation = vg.evaluate_into(
                 inspection,
@@ -206,8 +204,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
         Read this inspection file (YAML).
     """
 
-    with Bars().stage("Reading the inspection and its part"):
-        document = vg.check(vg.load(file, part=part, may_be_empty=True))
+    document = vg.check(read_inspection(file, part, may_be_empty=True))
     if json:
         print_json(document)
     else:
@@ -237,11 +234,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gc.set_threshold(100_000, 50, 50)
         atexit.register(gc.freeze)
         report_compiling()
+        open_standard_streams()
     logging.getLogger("viewgauge").addHandler(logging.NullHandler())
     given = sys.argv[1:] if arguments is None else list(arguments)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a name that the terminal cannot show is no failure
+    with plain_output(escape=not {"--help", "-h"} & {*given} and bool(given)):
+        return _run(given)
+
+
+def _run(given: Sequence[str]) -> int:
     try:
         result = app(given, exit_on_error=False, print_error=False)
         sys.stdout.flush()
@@ -258,7 +258,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = "nothing was left half-written, and a long job goes on when started again"
         print(f"viewgauge: interrupted; {what}", file=sys.stderr)
         return _INTERRUPTED
-    except BrokenPipeError:  # such as "| head": no more can be told, and Python would try again as it ends
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OutputError as error:
+        discard_output()
+        with suppress(OutputError):
+            print(f"viewgauge: {error}", file=sys.stderr)
+        return _BAD_INPUT
+    except BrokenPipeError:  # such as "| head": no more can be told
+        discard_output()
         return _NOBODY_READS
     return result if isinstance(result, int) else DONE

@@ -16,6 +16,7 @@ import viewgauge as vg
 from .options import DONE, NOT_MET, Json, PartFile, Seed, Workers, count, whole_number
 from .output import print_json
 from .progress import Bars
+from .reading import read_inspection
 
 __all__ = ["measure", "simulate", "validate"]
 
@@ -70,9 +71,8 @@ def simulate(
     from ..jobs.write import output_folder
 
     bars = Bars()
-    with output_folder(output):
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+    with output_folder(output, alone=True):
+        inspection = read_inspection(file, part, chord_error_mm=chord_error)
         sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = vg.simulate(
             inspection,
@@ -123,9 +123,8 @@ def measure(
     from ..jobs.write import output_folder
 
     bars = Bars()
-    with output_folder(output) if output is not None else nullcontext():
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part)
+    with output_folder(output, alone=True) if output is not None else nullcontext():
+        inspection = read_inspection(file, part)
         rows = vg.measure(inspection, plan, images, output, edges=edges, progress=bars)
     if json:
         print_json([asdict(row) for row in rows])
@@ -188,8 +187,7 @@ def validate(
     from ..jobs.images.validation_tables import describe_validation, write_validation
 
     bars = Bars()
-    with bars.stage("Reading the inspection and its part"):
-        inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+    inspection = read_inspection(file, part, chord_error_mm=chord_error)
     sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits)
     with vg.open_executor(None, workers) as executor:
         found = vg.validate(

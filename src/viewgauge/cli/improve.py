@@ -15,6 +15,7 @@ import viewgauge as vg
 from .options import DONE, NOT_MET, Json, PartFile
 from .output import certainty, print_json
 from .progress import Bars
+from .reading import read_inspection
 
 __all__ = ["improve", "specify"]
 
@@ -91,8 +92,7 @@ def _answered(
         require_answer_suffix(output)
     bars = Bars()
     with output_folder(output.parent) if output is not None else nullcontext():
-        with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part)
+        inspection = read_inspection(file, part)
         ask = vg.improve if question == "improve" else vg.specify
         answers = ask(inspection, progress=bars)
         if output is not None:

@@ -11,6 +11,7 @@ import viewgauge as vg
 
 from .options import DONE, PartFile
 from .progress import Bars
+from .reading import read_inspection
 
 __all__ = ["plot"]
 
@@ -45,8 +46,7 @@ def plot(
     """
     from ..jobs.read_plan import require_plan_of
 
-    with Bars().stage("Reading the inspection and its part"):
-        inspection = vg.load(file, part=part)
+    inspection = read_inspection(file, part)
     made = vg.read_plan(plan)
     require_plan_of(made, inspection)
     with Bars().stage("Drawing"):

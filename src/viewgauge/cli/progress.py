@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from .terminal import terminal_of
+
 __all__ = ["Bars"]
 
 
@@ -24,6 +26,6 @@ class Bars:
         columns = [SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()]
         if total is not None:
             columns[2:] = [BarColumn(), TimeRemainingColumn()]
-        with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        with Progress(*columns, console=Console(file=terminal_of(sys.stderr)), transient=True) as bars:
             task = bars.add_task(name, total=total)
             yield lambda done: bars.advance(task, done)

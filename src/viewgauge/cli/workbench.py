@@ -17,7 +17,7 @@ import viewgauge as vg
 
 from ..exceptions import InputError
 from .options import DONE, PartFile, whole_number
-from .progress import Bars
+from .reading import read_inspection
 
 __all__ = ["workbench"]
 
@@ -58,11 +58,10 @@ def workbench(
         raise InputError(
             "the workbench needs viser, which is not installed", got=str(error), hint='pip install "viewgauge[web]"'
         ) from None
-    with Bars().stage("Reading the inspection and its part"):
-        inspection = vg.load(file, part=part, meanwhile=lambda: vg.plan)
-        made = None if plan is None else vg.read_plan(plan)
-        if made is not None:
-            require_plan_of(made, inspection)
+    inspection = read_inspection(file, part, meanwhile=lambda: vg.plan)
+    made = None if plan is None else vg.read_plan(plan)
+    if made is not None:
+        require_plan_of(made, inspection)
     logging.getLogger("websockets").setLevel(logging.CRITICAL)
     # of what was on its way to a page that has been closed
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")

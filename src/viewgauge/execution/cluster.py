@@ -121,7 +121,11 @@ def _knock(scheduler: str) -> None:
     if not parts.hostname or not parts.port or parts.scheme not in ("tcp", "tls", "ws", "wss", "ucx"):
         raise ValueError("not an address")
     if parts.scheme != "ucx":
-        socket.create_connection((parts.hostname, parts.port), timeout=_CONNECT_S).close()
+        with socket.create_connection((parts.hostname, parts.port), timeout=_CONNECT_S) as connection:
+            if parts.scheme == "tcp":  # where a Dask scheduler speaks first, and waits for no answer
+                connection.settimeout(_CONNECT_S)
+                if not connection.recv(1):
+                    raise OSError("it closes the connection")
 
 
 class Cluster:

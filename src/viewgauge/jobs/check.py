@@ -44,6 +44,7 @@ def check(inspection: Inspection) -> dict[str, Any]:
         "without_tolerance": [_not_measurable(entry) for entry in found.without_tolerance],
         "counts": dict(inspection.part.pmi_counts),
         "inputs": dict(inspection.inputs),
+        "findings": [finding.document() for finding in inspection.findings],
     }
 
 

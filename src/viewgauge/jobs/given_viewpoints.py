@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from os import PathLike
 from typing import overload
@@ -10,12 +11,16 @@ from numpy.typing import ArrayLike
 
 from ..exceptions import InputError, NoCandidateError
 from ..execution.chunks import ViewpointSource, candidate_grid
+from ..findings import admit
 from ..formats.poses.viewpoints_file import read_viewpoints
 from ..geometry import require_poses
 from ..planning import without_allowed_error
 from ..planning.inspection import ExplicitViewpoints, Inspection
+from ..planning.plausibility import implausible_viewpoints
 
 __all__ = ["ViewpointsLike", "sampled_viewpoints", "viewpoints_of"]
+
+_log = logging.getLogger(__name__)
 
 ViewpointsLike = ExplicitViewpoints | str | PathLike[str] | ArrayLike | None
 """A viewpoints file (CSV), poses ``T_part_camera`` ``(n, 4, 4)`` mm, or None for those that the inspection names."""
@@ -30,12 +35,19 @@ def viewpoints_of(inspection: Inspection, viewpoints: ViewpointsLike) -> Explici
             )
         return inspection.viewpoints
     if isinstance(viewpoints, str | PathLike):
-        return ExplicitViewpoints(*read_viewpoints(viewpoints))
+        return _looked_at(inspection, ExplicitViewpoints(*read_viewpoints(viewpoints)))
     if not isinstance(viewpoints, ExplicitViewpoints):
         poses = require_poses(viewpoints, "viewpoints").reshape(-1, 4, 4)
         viewpoints = ExplicitViewpoints(tuple(f"S{k}" for k in range(1, len(poses) + 1)), poses)
     if not len(viewpoints):
         raise InputError("no viewpoints to evaluate", key="viewpoints", got="no pose", expected="at least one")
+    return viewpoints
+
+
+def _looked_at(inspection: Inspection, viewpoints: ExplicitViewpoints) -> ExplicitViewpoints:
+    """The viewpoints of a file; raises InputError where they are implausible and not accepted, or logs a warning."""
+    for finding in admit(implausible_viewpoints(inspection, viewpoints), inspection.accepted):
+        _log.warning("%s", finding)
     return viewpoints
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..exceptions import InputError, InspectionFileError
+from ..findings import Finding, admit, require_known
 from ..formats.inspection.inspection_text import read_inspection_text
 from ..formats.part_formats import reading_part
 
@@ -81,12 +82,30 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
         ids, poses = read_viewpoints(file.viewpoints_file)
         viewpoints = ExplicitViewpoints(ids, poses)
     used = (file.path, part_path, file.viewpoints_file, *file.other_files)
-    return file.inspection(
+    inspection = file.inspection(
         part,
         name=file.path.stem if file.path.stem != "inspection" else part_path.stem,
         viewpoints=viewpoints,
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
     )
+    return replace(inspection, findings=_admitted(inspection, file), accepted=file.accepted)
+
+
+def _admitted(inspection: Inspection, file: InspectionFile) -> tuple[Finding, ...]:
+    """The findings that are shown as warnings; raises InputError for those that are refused and not accepted."""
+    from ..planning.plausibility import implausible
+
+    of_part: tuple[Finding, ...] = getattr(inspection.part, "findings", ())
+    read = tuple(dict.fromkeys((*of_part, *file.findings)))
+    said = {finding.name for finding in read}  # by whoever read the file, who knows more of it
+    findings = (*read, *(finding for finding in implausible(inspection) if finding.name not in said))
+    try:
+        require_known(file.accepted, findings)
+        return admit(findings, file.accepted)
+    except InputError as error:
+        raise InspectionFileError(
+            error.problem, file=file.path, key=error.key, got=error.got, expected=error.expected, hint=error.hint
+        ) from None
 
 
 def _with_entries(part: Part, file: InspectionFile, *, may_be_empty: bool) -> Part:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import shutil
+import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,7 +41,7 @@ def describe_plan(plan: Plan, inspection: Inspection) -> dict[str, Any]:
 
     budgets = error_budgets(inspection, plan)
     figures = capability_of_characteristics(inspection, plan, budgets)
-    return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures)
+    return plan_document(plan, inspection.requirement, inspection.inputs, budgets, figures, inspection.findings)
 
 
 def describe_answers(answers: Improvement | Specification, inspection: Inspection) -> dict[str, Any]:
@@ -107,20 +110,46 @@ def make_folder(path: str | PathLike[str]) -> Path:
 
 
 @contextmanager
-def output_folder(path: str | PathLike[str]) -> Iterator[Path]:
+def output_folder(path: str | PathLike[str], *, alone: bool = False) -> Iterator[Path]:
     """A folder for what the block writes, made before any work is done for it.
 
     If the block fails, the folders that were made are taken away again as far as they are empty.
+
+    Parameters
+    ----------
+    alone
+        All files of the folder belong together: no other process on this machine may write it meanwhile (InputError).
     """
     folder = Path(path)
-    absent = [place for place in (folder, *folder.parents) if not place.exists()]
+    absent = [place for place in (folder, *folder.parents) if not os.path.exists(place)]
     try:
-        yield make_folder(folder)
+        with _claimed(folder) if alone else nullcontext():
+            yield make_folder(folder)
     except BaseException:  # KeyboardInterrupt too
         with suppress(OSError):
             for place in absent:
                 place.rmdir()
         raise
+
+
+@contextmanager
+def _claimed(folder: Path) -> Iterator[None]:
+    """A lock for the folder, kept apart from it; raises InputError where another process holds it."""
+    from ..formats.files.lock import lock_folder
+
+    place = os.path.realpath(folder)
+    name = f"viewgauge-lock-{hashlib.sha256(os.fsencode(place)).hexdigest()[:24]}"
+    locks = Path(tempfile.gettempdir()) / name
+    try:
+        lock = lock_folder(locks, folder)
+    except OSError:  # no place for locks, or another user's
+        yield
+        return
+    try:
+        yield
+    finally:
+        shutil.rmtree(locks, ignore_errors=True)
+        lock.release()
 
 
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
@@ -132,7 +161,9 @@ def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) 
     place = make_folder(folder)
     details = plan_details(plan, inspection)
     write_text_atomically(place / "report.html", plan_report(plan, inspection, details))
-    document = plan_document(plan, inspection.requirement, inspection.inputs, details.budgets, details.figures)
+    document = plan_document(
+        plan, inspection.requirement, inspection.inputs, details.budgets, details.figures, inspection.findings
+    )
     write_plan_files(plan, document, place)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..evaluation import Requirement, Setup
+from ..findings import Finding
 from ..geometry import PoseError
 from ..part import Part
 from ..sensors import Camera
@@ -66,6 +67,10 @@ class Inspection:
         Title of the report.
     inputs
         SHA-256 of each input file, by its name; empty where nothing was read.
+    findings
+        What is implausible in it and not accepted: every command shows these as warnings.
+    accepted
+        Names of findings that are meant as they are.
     """
 
     part: Part
@@ -79,6 +84,8 @@ class Inspection:
     seed: int = 0
     name: str = "inspection"
     inputs: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+    accepted: tuple[str, ...] = ()
 
     @property
     def setup(self) -> Setup:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -133,6 +134,8 @@ class Plan(Drawable):
         A step was interrupted: the plan is the best so far.
     without_tolerance
         Basic and reference dimensions of the drawing, which demand nothing and are not planned.
+    inputs
+        SHA-256 of each input file that a plan was made from, by its name, where it was read from a file; else empty.
     """
 
     seed: int
@@ -144,6 +147,7 @@ class Plan(Drawable):
     anywhere: ViewpointsBound | None = None
     interrupted: bool = False
     without_tolerance: tuple[PlannedCharacteristic, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
     def count(self) -> int:

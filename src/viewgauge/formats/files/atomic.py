@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +16,7 @@ from ...exceptions import InputError
 
 __all__ = ["atomic_path", "move_into_place", "write_text_atomically", "writing_in"]
 
+_HERE, _EXCHANGE = -100, 2  # AT_FDCWD; RENAME_EXCHANGE of Linux, RENAME_SWAP of macOS
 _STORAGE_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
 
@@ -88,6 +91,8 @@ def move_into_place(made: Path, target: Path) -> None:
             return
         if not made.is_dir():
             raise InputError("a file cannot be written where a folder is", file=target, hint="give another path")
+        if exchange(made, target):
+            return
         old = made.with_name(f"{target.name}.old")  # a folder with content cannot be replaced in one step
         os.replace(target, old)
         try:
@@ -97,6 +102,17 @@ def move_into_place(made: Path, target: Path) -> None:
             raise
     except OSError as error:
         raise _cannot_write(target, error) from error
+
+
+def exchange(one: Path, other: Path) -> bool:
+    """Let two folders change places in one step of the file system; False where the system cannot."""
+    library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
+    places = os.fsencode(one), os.fsencode(other)
+    if sys.platform == "linux" and library is not None and hasattr(library, "renameat2"):
+        return bool(library.renameat2(_HERE, places[0], _HERE, places[1], _EXCHANGE) == 0)
+    if sys.platform == "darwin" and library is not None and hasattr(library, "renamex_np"):
+        return bool(library.renamex_np(*places, _EXCHANGE) == 0)
+    return False
 
 
 def _cannot_write(path: str | os.PathLike[str], error: OSError) -> InputError:

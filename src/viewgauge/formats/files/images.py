@@ -13,7 +13,7 @@ from ...exceptions import InputError
 from ...measurement.pose.board import opencv
 from .atomic import atomic_path
 
-__all__ = ["encoded_png", "read_grey", "write_overlay", "write_png"]
+__all__ = ["encoded_png", "image_size", "read_grey", "write_overlay", "write_png"]
 
 
 def write_png(path: str | os.PathLike[str], grey: NDArray[np.uint16], bits: int) -> None:
@@ -32,6 +32,27 @@ def encoded_png(grey: NDArray[np.uint8]) -> bytes:
     content = io.BytesIO()
     Image.fromarray(grey).save(content, "png", optimize=True)
     return content.getvalue()
+
+
+def image_size(path: str | os.PathLike[str]) -> tuple[int, int]:
+    """Columns and rows that an image's header states; nothing is decoded, so that a small file cannot fill the memory.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    from PIL import Image  # here: slow to import
+
+    most, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # whether it is too large is for the caller to say
+    try:
+        with Image.open(path) as image:
+            columns, rows = image.size
+            return int(columns), int(rows)
+    except (OSError, ValueError, SyntaxError) as error:
+        raise InputError("the image cannot be read", file=path, expected="PNG, TIFF, BMP or JPEG") from error
+    finally:
+        Image.MAX_IMAGE_PIXELS = most
 
 
 def read_grey(path: str | os.PathLike[str]) -> NDArray[np.float64]:

@@ -35,18 +35,24 @@ Sign = Literal["any", "not negative", "positive"]
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its name, the unit it is converted to, and examples for messages."""
+    """A kind of quantity: its name, the unit it is converted to, examples for messages, and which values it can have.
+
+    Where a value is not 0, its magnitude lies between ``least`` and ``most`` in the unit: beyond them nothing physical
+    is meant, and squares and products would overflow or vanish.
+    """
 
     name: str
     unit: str
     example: str
     vector_example: str
+    least: float
+    most: float
 
 
-LENGTH = Kind("length", "mm", "16 mm", "[0, 0, 40] mm")
-ANGLE = Kind("angle", "rad", "0.02 deg", "[0.02, 0.02, 0.05] deg")
-PIXELS = Kind("number of pixels", "px", "1 px", "[1224, 1024] px")
-RATIO = Kind("ratio", "", "10 % or 0.1", "[10, 20] %")
+LENGTH = Kind("length", "mm", "16 mm", "[0, 0, 40] mm", 1e-12, 1e9)
+ANGLE = Kind("angle", "rad", "0.02 deg", "[0.02, 0.02, 0.05] deg", 1e-15, 100)
+PIXELS = Kind("number of pixels", "px", "1 px", "[1224, 1024] px", 1e-12, 1e9)
+RATIO = Kind("ratio", "", "10 % or 0.1", "[10, 20] %", 1e-15, 1e9)
 
 _DEFINITIONS = {
     LENGTH: (
@@ -86,10 +92,13 @@ def parse_quantity(value: object, kind: Kind, sign: Sign = "any") -> float:
     """
     number, unit = _split(value, kind)
     if not math.isfinite(float(number)):
-        raise _error("the number is not finite", value, kind)
+        written_out = number[-1:].isdigit()
+        raise _error(f"the number is {'too large' if written_out else 'not finite'}", _short(value), kind)
     result = _convert(number, unit, value, kind)
-    if not math.isfinite(result):
-        raise _error("the number is too large", value, kind)
+    if not abs(result) <= kind.most:
+        raise _error("the number is too large", _short(value), kind)
+    if 0 < abs(result) < kind.least:
+        raise _error("the number is too small", _short(value), kind)
     if sign == "positive" and not result > 0:
         raise _error("the value must be positive", value, kind)
     if sign == "not negative" and result < 0:
@@ -188,6 +197,12 @@ def _registry() -> UnitRegistry[Decimal]:
     import pint  # late: it would slow down every start of the command line
 
     return pint.UnitRegistry([line for lines in _DEFINITIONS.values() for line in lines], non_int_type=Decimal)
+
+
+def _short(value: object) -> str:
+    """A value as a message shows it: of hundreds of digits only the first."""
+    text = _shown(value)
+    return text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
 
 
 def _error(problem: str, value: object, kind: Kind, *, vector: bool = False) -> InputError:

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from .problems import KeyPath, Problems
+from .text import unusable_character
 
 __all__ = ["YamlTree", "parse_yaml"]
 
@@ -14,6 +15,7 @@ _LIST_WITH_UNIT = re.compile(r"(\[[^\[\]]*\])[ \t]*([^\W\d_]+|[%°‰])")
 _INTEGER, _FLOAT, _BOOLEAN, _NULL, _TEXT, _TIMESTAMP = (
     f"tag:yaml.org,2002:{name}" for name in ("int", "float", "bool", "null", "str", "timestamp")
 )
+_MOST_INTEGER = 10**30
 _COLLECTIONS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 
@@ -103,6 +105,9 @@ class _Walker:
                 self.problems.add(path, "a key must be a word", line=line)
                 continue
             key, line = str(key_node.value), key_node.start_mark.line + 1
+            if (wrong := unusable_character(key)) is not None:
+                self.problems.add(path, f"a key holds {wrong}", line=line, got=ascii(key))
+                continue
             here = (*path, key)
             if key in result:
                 first = self.tree.lines[here]
@@ -119,11 +124,19 @@ class _Walker:
         if name == _BOOLEAN:
             return text.lower() == "true"
         if name == _INTEGER:
-            return _integer(text)
+            number = _integer(text)
+            if isinstance(number, int) and abs(number) <= _MOST_INTEGER:
+                return number
+            got = text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
+            self.problems.add(path, "the whole number is too large", got=got, expected=f"at most {_MOST_INTEGER:.0e}")
+            return None
         if name == _FLOAT:
             return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
         if name not in (_TEXT, _TIMESTAMP):
             self.problems.add(path, "tags are not used here", got=name, expected="a plain value")
+            return None
+        if (wrong := unusable_character(text)) is not None:
+            self.problems.add(path, f"the text holds {wrong}", got=ascii(text), expected="text that UTF-8 can write")
             return None
         return text
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...evaluation import Setup
+from ...findings import Finding
 from ...part import Part
 from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...visibility.limits import ObservationLimits
@@ -48,6 +49,10 @@ class InspectionFile:
         Files that were read along with this one: covariance, common covariance, calibration.
     setup
         Camera, pose error, requirement and limits.
+    accepted
+        Names of findings that the user accepts.
+    findings
+        What is implausible in the files that this one names.
     """
 
     path: Path
@@ -58,6 +63,8 @@ class InspectionFile:
     viewpoints_file: Path | None
     other_files: tuple[Path, ...]
     setup: Setup
+    accepted: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     _planning: Mapping[str, Any] = field(default_factory=dict)  # fields of Inspection that are not of the set-up
 
     def inspection(
@@ -126,6 +133,8 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
         else text.beside(section.viewpoints, "candidates.viewpoints"),
         other_files=tuple(file for file in named if file is not None),
         setup=Setup(camera, pose_error, requirement, limits),
+        accepted=tuple(top.accept),
+        findings=tuple(text.findings),
         _planning={"candidates": options, "seed": top.seed, "averaged_viewpoints": averaged_viewpoints},
     )
 

@@ -18,6 +18,7 @@ from ..files.yaml_tree import parse_yaml
 __all__ = ["InspectionText", "read_inspection_text"]
 
 _Content = TypeVar("_Content")
+_MOST_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class InspectionText:
         try:
             return read(path, *arguments)
         except InspectionFileError as error:
-            if path.is_file():
+            if os.path.isfile(path):
                 self.problems.found.append(error)
             else:  # then the place to mend is here
                 self.problems.add(where, error.problem, got=path, hint=error.hint)
@@ -103,7 +104,7 @@ def read_inspection_text(path: str | os.PathLike[str], within: Path | None = Non
     InspectionFileError
         If it cannot be read or has none.
     """
-    text = read_text(path, InspectionFileError)
+    text = read_text(path, InspectionFileError, _MOST_BYTES)
     if text.startswith("ISO-10303-21"):
         raise InspectionFileError(
             "this is a STEP file, not an inspection file",

@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, model_validator
 from ...exceptions import InputError
 from ...geometry import PoseError, pose_from_quaternion
 from ...measurement.pose.pose_covariance import small_sample_factor
+from ..files.physical_bounds import BOUNDS
 from ..files.problems import KeyPath
 from ..poses.covariance_file import read_covariance
 from .inspection_text import InspectionText
@@ -140,6 +141,22 @@ def read_pose_error(text: InspectionText, probability: float | None) -> PoseErro
     return build(section.build, where, problems, covariance, pose, common)
 
 
+def _checked(covariance: NDArray[np.float64]) -> PoseError:
+    """The pose error of a covariance ``(6, 6)`` that a file states; raises InputError where nothing has it."""
+    with np.errstate(invalid="ignore"):
+        deviations = np.sqrt(covariance.diagonal())
+    for name, values in (("translation", deviations[:3]), ("rotation", deviations[3:])):
+        bounds = BOUNDS[f"pose_uncertainty.{name}"]
+        if (values > bounds.most).any():
+            raise InputError(
+                f"a standard deviation of the {name} is out of range: {bounds.reason}",
+                got=f"{values.max():.3g} {bounds.unit}",
+                expected=f"at most {bounds.most:.3g} {bounds.unit}",
+                hint="variances are squares: of mm and rad, or of the units that the file names",
+            )
+    return PoseError(covariance)
+
+
 def _covariance(
     section: ErrorSection | None, where: KeyPath, text: InspectionText, probability: float | None
 ) -> NDArray[np.float64] | None:
@@ -150,7 +167,7 @@ def _covariance(
         return section.from_deviations()
     where = (*where, "covariance")
     file = text.read_beside(read_covariance, section.covariance, where)
-    checked = None if file is None else build(PoseError, where, text.problems, file.covariance)
+    checked = None if file is None else build(_checked, where, text.problems, file.covariance)
     if file is None or checked is None:
         return None
     if file.degrees_of_freedom is None or probability is None:

@@ -12,7 +12,7 @@ from .part_section import PartSection
 from .pose_uncertainty_section import PoseUncertaintySection
 from .region_section import candidates_section
 from .requirement_section import requirement_model
-from .values import AngleOrZero, Apart, CountOrZero, PixelsOrZero, Section
+from .values import AngleOrZero, Apart, CountOrZero, Name, PixelsOrZero, Section
 
 __all__ = ["AveragingSection", "InspectionSections", "ObservationSection"]
 
@@ -73,6 +73,9 @@ class InspectionSections(Section):
     )
     averaging: Annotated[Any, Apart(AveragingSection)] = Field(
         default=None, description="averages over several viewpoints; by default none"
+    )
+    accept: list[Name] = Field(
+        default=[], description="names of findings that are meant as they are, such as [line_scan]; by default none"
     )
     seed: CountOrZero = Field(
         default=0, description="the seed of all sampling: the same seed gives the same plan; by default 0"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from ...exceptions import InputError
+from ..files.physical_bounds import within_bounds
 from ..files.problems import KeyPath, Problems
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ def validate(model: type[_Model], value: object, path: KeyPath, problems: Proble
         problems.add(path, problem, got=value, expected=f"keys with values: {keys}")
         return None
     try:
-        return model.model_validate(value)
+        section = model.model_validate(value)
+        return section if within_bounds(section, path, problems) else None
     except ValidationError as error:
         details = error.errors(include_url=False)
     misspelt = _misspelt(model, details)

@@ -16,11 +16,14 @@ import numpy as np
 
 from ...evaluation import CapabilityFigures, Requirement
 from ...evaluation.error_budget import ErrorBudget
+from ...findings import Finding
 from ...planning import Acquisition, Plan, PlannedCharacteristic, Refinement
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.atomic import write_text_atomically
+from ..files.spreadsheet_text import to_cell
 from ..poses.viewpoints_file import write_viewpoints
 from .indication_document import indication_document
+from .plan_schema import checksum
 
 __all__ = ["plan_document", "write_plan_files"]
 
@@ -31,6 +34,7 @@ def plan_document(
     inputs: Mapping[str, str],
     budgets: Mapping[str, ErrorBudget],
     figures: Mapping[str, CapabilityFigures],
+    findings: Sequence[Finding] = (),
 ) -> dict[str, Any]:
     """The plan as JSON-ready data (lengths mm; what is not defined is null)."""
     characteristics = [
@@ -41,10 +45,11 @@ def plan_document(
         }
         for characteristic in plan.characteristics
     ]
-    return {
+    document = {
         "version": version("viewgauge"),
         "seed": plan.seed,
         "inputs": dict(inputs),
+        "findings": [finding.document() for finding in findings],
         "requirement": asdict(requirement),
         "viewpoints": [
             {"id": s.id, "T_part_camera": np.asarray(s.T_part_camera).tolist(), "observes": list(s.observes)}
@@ -61,6 +66,7 @@ def plan_document(
         "candidates": plan.candidate_count,
         "refinement": None if plan.refinement is None else _refinement_document(plan.refinement, plan.characteristics),
     }
+    return {**document, "checksum": checksum(document)}
 
 
 def _refinement_document(refinement: Refinement, characteristics: Sequence[PlannedCharacteristic]) -> dict[str, Any]:
@@ -170,8 +176,8 @@ def _assignments(plan: Plan) -> str:
             ):
                 writer.writerow(
                     [
-                        characteristic.id,
-                        acquisition.viewpoint,
+                        to_cell(characteristic.id),
+                        to_cell(acquisition.viewpoint),
                         repr(characteristic.probability),
                         repr(characteristic.expected_accuracy),
                     ]

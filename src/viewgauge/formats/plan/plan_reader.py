@@ -5,6 +5,7 @@ points.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from ...planning import Acquisition, Plan, PlannedCharacteristic, PlannedViewpoi
 from ...planning.bounds import Certificate, ViewpointsBound
 from ..files.text import read_text
 from .indication_document import read_indication
+from .plan_schema import require_plan
 
 __all__ = ["PlannedMeasurement", "read_plan", "read_whole_plan"]
 
@@ -62,15 +64,17 @@ def read_plan(folder: Path) -> tuple[PlannedMeasurement, ...]:
 
 
 def _read(folder: Path, take: Callable[[dict[str, Any]], _Read]) -> _Read:
-    path = folder / "plan.json" if folder.is_dir() else folder
+    path = folder / "plan.json" if os.path.isdir(folder) else folder
     try:
-        return take(json.loads(read_text(path, InputError)))
+        return take(require_plan(json.loads(read_text(path, InputError)), path))
     except json.JSONDecodeError as error:
         raise InputError(f"not JSON: {error.msg}", file=path, line=error.lineno) from error
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("not a plan", file=path, got=repr(error), expected="plan.json of viewgauge plan") from error
+        raise InputError(
+            "not a plan", file=path, got=repr(error)[:200], expected="plan.json of viewgauge plan"
+        ) from error
 
 
 def _measurements(document: dict[str, Any]) -> tuple[PlannedMeasurement, ...]:
@@ -133,6 +137,7 @@ def _plan(document: dict[str, Any]) -> Plan:
         anywhere=None if anywhere is None else ViewpointsBound(anywhere["lower_bound"], tuple(anywhere["apart"]), 0),
         interrupted=bool(document["interrupted"]),
         without_tolerance=tuple(_characteristic(entry) for entry in document["without_tolerance"]),
+        inputs=dict(document.get("inputs", {})),
     )
 
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...exceptions import InputError, ViewpointsFileError
 from ...geometry import pose_from_quaternion, quaternion_from_pose, require_poses
 from ..files.atomic import write_text_atomically
+from ..files.spreadsheet_text import from_cell, to_cell
 from ..files.text import read_text
 from .pose_formats import is_pose_file, read_poses
 
@@ -29,6 +30,7 @@ __all__ = ["COLUMNS", "read_viewpoints", "write_viewpoints"]
 
 COLUMNS = ("id", "x", "y", "z", "qw", "qx", "qy", "qz")
 
+_MOST = 1e7  # mm: 10 km
 _ROWS_PER_BLOCK = 2**16  # bounds what the conversion needs beside its result
 _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 
@@ -87,7 +89,7 @@ def write_viewpoints(path: str | os.PathLike[str], ids: Sequence[str], poses: Ar
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(COLUMNS)
     for name, T, quaternion in zip(ids, T_part_camera, quaternion_from_pose(T_part_camera), strict=True):
-        writer.writerow([name, *(repr(float(number)) for number in (*T[:3, 3], *quaternion))])
+        writer.writerow([to_cell(name), *(repr(float(number)) for number in (*T[:3, 3], *quaternion))])
     write_text_atomically(path, buffer.getvalue())
 
 
@@ -118,7 +120,7 @@ def _rows(path: str | os.PathLike[str], text: str) -> Iterator[_Row]:
                     expected=f"{len(header)}: {', '.join(header)}",
                 )
             name, *others = chosen(cells)
-            yield reader.line_num, name, others
+            yield reader.line_num, from_cell(name), others
     except csv.Error as error:
         raise ViewpointsFileError(f"not valid CSV: {error}", file=path, line=reader.line_num) from error
     if header is None:
@@ -148,7 +150,7 @@ def _numbers(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[
     """The numbers of a row, position and quaternion; all finite."""
     try:
         numbers = list(map(float, cells))
-        if math.isfinite(sum(numbers)):
+        if max(map(abs, numbers)) <= _MOST:
             return numbers
     except ValueError:
         pass
@@ -160,9 +162,9 @@ def _number(path: str | os.PathLike[str], line: int, column: str, cell: str) -> 
         number = float(cell)
     except ValueError:
         number = math.nan
-    if not math.isfinite(number):
+    if not abs(number) <= _MOST:
         raise ViewpointsFileError(
-            "not a finite number",
+            "the number is too large" if math.isfinite(number) else "not a finite number",
             file=path,
             line=line,
             key=column,

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import json
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import TypedDict
@@ -15,6 +16,8 @@ from typing import TypedDict
 from ...exceptions import PartFileError
 
 __all__ = ["Options", "main"]
+
+_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG
 
 
 class Options(TypedDict):
@@ -27,6 +30,7 @@ class Options(TypedDict):
 
 def main(arguments: list[str]) -> int:
     """Read FILE into FOLDER; 0 where that worked, 1 where ``error.json`` says why not."""
+    _end_with_parent()
     path, folder, options = Path(arguments[0]), Path(arguments[1]), json.loads(arguments[2])
     try:
         _limit_memory(options["memory_bytes"])
@@ -49,6 +53,17 @@ def main(arguments: list[str]) -> int:
     else:
         return 0
     return 1
+
+
+def _end_with_parent() -> None:
+    """End when the process that waits for the result ends, however that ends (Linux only)."""
+    if sys.platform == "linux":
+        import ctypes
+
+        parent = os.getppid()
+        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
+        if os.getppid() != parent:  # it has just ended
+            os._exit(1)
 
 
 def _limit_memory(limit: int) -> None:

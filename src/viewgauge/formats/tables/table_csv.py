@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files.spreadsheet_text import to_cell
 from .table_layout import Column, TableLayout
 from .table_rows import RowTable, Sink, Values
 
@@ -66,7 +67,7 @@ def _quoted(texts: Sequence[str]) -> list[bytes]:
     cells = []
     for text in texts:
         if text:  # alone in its row, an empty one would be put in quotes
-            writer.writerow([text])
+            writer.writerow([to_cell(text)])
         cells.append(buffer.getvalue().encode())
         buffer.seek(0)
         buffer.truncate()

@@ -8,9 +8,11 @@ no settled way to store text) with the conventions of xarray.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
+import shutil
 import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -74,7 +76,8 @@ class ZarrRegionWriter:
                 if column.kind == "name":
                     array = np.array(column.names, dtype=column.dtype)[array.astype(np.int64)]
                 group[column.name][self.layout.viewpoints(chunk)] = array
-        record_entry(self.job, chunk, summary=json.dumps(dict(summary or {})))
+        digests = json.dumps(_digests(self.job / "table", self.layout, chunk))
+        record_entry(self.job, chunk, summary=json.dumps(dict(summary or {})), digests=digests)
 
 
 class ZarrTable:
@@ -119,14 +122,22 @@ class ZarrTable:
     def _begin(self) -> None:
         """Make the table without its chunks, unless it is there and is to be kept."""
         table = self._journal.job / "table"
+        made = table.with_name("begun")
         if not self._keep or not table.exists():
             self._journal.restart()
-            made = table.with_name("begun")
             _make(made, self._layout)
             made.rename(table)
-        self.done: dict[int, dict[str, Any]] = {
-            chunk: json.loads(str(read_entry(entry)["summary"])) for chunk, entry in self._journal.done().items()
-        }
+        else:  # a power cut may have left files empty: all but the chunks is made anew
+            shutil.rmtree(made, ignore_errors=True)
+            _make(made, self._layout)
+            _mend(table, made)
+        self.done: dict[int, dict[str, Any]] = {}
+        for chunk, entry in self._journal.done().items():
+            summary = _summary(table, self._layout, chunk, entry)
+            if summary is None:
+                entry.unlink()
+            else:
+                self.done[chunk] = summary
         """Summaries of the chunks that are done, by chunk, as they were when the table was opened."""
 
     def writer(self) -> ZarrRegionWriter:
@@ -186,6 +197,35 @@ class ZarrFormat:
     def open(self, path: str | os.PathLike[str], layout: TableLayout, fingerprint: str | None) -> ZarrTable:
         """The table under construction; raises InputError where it cannot be written."""
         return ZarrTable(path, layout, fingerprint)
+
+
+def _mend(table: Path, made: Path) -> None:
+    """Put each file of a table without chunks in the place of the one of a table that was begun; ``made`` goes."""
+    for folder, _, names in os.walk(made):
+        place = table / Path(folder).relative_to(made)
+        place.mkdir(exist_ok=True)
+        for name in names:
+            os.replace(Path(folder, name), place / name)
+    shutil.rmtree(made)
+
+
+def _digests(table: Path, layout: TableLayout, chunk: int) -> dict[str, str]:
+    """A digest of the file of each column of a chunk."""
+    return {
+        column.name: hashlib.blake2b((table / column.name / f"{chunk}.0").read_bytes(), digest_size=16).hexdigest()
+        for column in layout.columns
+    }
+
+
+def _summary(table: Path, layout: TableLayout, chunk: int, entry: Path) -> dict[str, Any] | None:
+    """The summary of a chunk that is done; None where the entry or a file of the chunk is not as it was written."""
+    try:
+        noted = read_entry(entry)
+        summary, digests = json.loads(str(noted["summary"])), json.loads(str(noted["digests"]))
+        whole = chunk < layout.chunks and digests == _digests(table, layout, chunk)
+    except (KeyError, ValueError, OSError):
+        return None
+    return summary if whole and isinstance(summary, dict) else None
 
 
 def partial_path(path: str | os.PathLike[str]) -> Path:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,8 +20,9 @@ from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, evaluator_of
 from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
-from ...formats.files.images import read_grey, write_overlay
-from ...formats.plan.plan_reader import PlannedMeasurement, read_plan
+from ...formats.files.images import image_size, read_grey, write_overlay
+from ...formats.files.spreadsheet_text import to_cell
+from ...formats.plan.plan_reader import PlannedMeasurement, read_plan, read_whole_plan
 from ...measurement.image.edges import EdgeFinder
 from ...measurement.image.expected_edges import ExpectedMeasurand
 from ...measurement.image.image_pose import ImagePose, find_image_pose
@@ -31,12 +34,15 @@ from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...simulation.image_sensor import ImageSensor
 from ...simulation.partial_image import partial_image
 from ...simulation.renderer import Renderer
+from ..read_plan import require_plan_of
 from ..write import make_folder
 
 __all__ = ["Edges", "Measured", "Verdict", "expected_measurand", "measure", "require_edges", "seen_measurands"]
 
 Verdict = Literal["pass", "fail", "undecided", "measured", "not measured"]
 Edges = Literal["sub-pixel", "whole-pixel"]
+
+_log = logging.getLogger(__name__)
 
 _COVERAGE_FACTOR = 2.0
 _BLUR_PX, _NO_NOISE = 0.6, 5e-4  # of the image of a rehearsal
@@ -111,6 +117,7 @@ def measure(
         If the plan cannot be read or is another part's, or there is no image of any of its viewpoints.
     """
     require_edges(edges)
+    require_plan_of(read_whole_plan(Path(plan)), inspection)
     planned, progress = read_plan(Path(plan)), progress or Silent()
     poses = {p.viewpoint: p.T_part_camera for p in planned}
     known = _all_seen(inspection, poses)
@@ -127,6 +134,12 @@ def measure(
     with progress.stage(f"Measuring in {len(files)} images", len(files)) as advance:
         for file, viewpoint in files:
             mine = [p for p in planned if p.viewpoint == viewpoint]
+            why = _other_size(file, inspection)
+            if why:
+                _log.warning("%s: %s", file, why)
+                found += [_judged(file.name, p, None, why, inspection, edges) for p in mine]
+                advance(1)
+                continue
             grey = read_grey(file)
             expected = [measurands[p.characteristic, p.viewpoint] for p in mine]
             seen, why = _seen(grey, mine, expected, known[viewpoint], inspection)
@@ -211,10 +224,12 @@ def _rehearsed(
 
 def _images(folder: Path, viewpoints: Sequence[str]) -> list[tuple[Path, str]]:
     """Images of the viewpoints, by name."""
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise InputError("the folder of images does not exist", file=folder, hint="check the path")
     found = []
     for file in sorted(folder.iterdir()):
+        if not os.path.isfile(file):  # nor a pipe, which may never be written to
+            continue
         for viewpoint in viewpoints:
             if re.fullmatch(re.escape(viewpoint) + r"(_\d+)?" + _SUFFIXES, file.name, re.IGNORECASE):
                 found.append((file, viewpoint))
@@ -222,6 +237,14 @@ def _images(folder: Path, viewpoints: Sequence[str]) -> list[tuple[Path, str]]:
         names = ", ".join(f"{viewpoint}.png or {viewpoint}_0001.png" for viewpoint in viewpoints[:2])
         raise InputError("no image of any viewpoint of the plan", file=folder, expected=names)
     return found
+
+
+def _other_size(file: Path, inspection: Inspection) -> str:
+    """Why an image is not one of the camera's, by the size that its header states; empty where it is."""
+    (columns, rows), of_camera = image_size(file), inspection.camera.resolution
+    if (columns, rows) == tuple(of_camera):
+        return ""
+    return f"the image is {columns} x {rows} px, the camera's {of_camera[0]} x {of_camera[1]}"
 
 
 def _seen(
@@ -233,10 +256,6 @@ def _seen(
 ) -> tuple[list[MeasurandImage | None], str]:
     """The measurands in an image, found with the help of all that is known to be seen; or none of them, and why."""
     camera, pose_error = inspection.camera, inspection.pose_error
-    columns, rows = camera.resolution
-    if grey.shape != (rows, columns):
-        why = f"the image is {grey.shape[1]} x {grey.shape[0]} px, the camera's {columns} x {rows}"
-        return [None] * len(planned), why
     T = planned[0].T_part_camera
     windows = [
         window for measurand in (*measurands, *known) for window in measurand_windows(measurand, T, camera, pose_error)
@@ -349,5 +368,6 @@ def _table(rows: Sequence[Measured]) -> str:
         numbers = [row.nominal_mm, row.measured_mm, deviation, row.expanded_uncertainty_mm]
         numbers += [None, None] if row.tolerance_mm is None else list(row.tolerance_mm)
         reported = ["" if value is None else repr(float(value)) for value in numbers]
-        writer.writerow([row.image, row.viewpoint, row.characteristic, *reported, row.verdict, row.reason])
+        names = [to_cell(name) for name in (row.image, row.viewpoint, row.characteristic)]
+        writer.writerow([*names, *reported, row.verdict, row.reason])
     return text.getvalue()

@@ -19,6 +19,7 @@ from ...execution.chunks import EvaluationJob
 from ...execution.progress import Progress, Silent
 from ...formats.files.atomic import write_text_atomically
 from ...formats.files.images import write_png
+from ...formats.files.spreadsheet_text import to_cell
 from ...geometry import quaternion_from_pose
 from ...measurement.image.measurand_image import measurand_windows
 from ...planning.inspection import ExplicitViewpoints, Inspection
@@ -147,7 +148,7 @@ def _true_poses(rows: Sequence[Sequence[object]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["image", "viewpoint", "repeat", "x", "y", "z", "qw", "qx", "qy", "qz"])
-    writer.writerows(rows)
+    writer.writerows([to_cell(str(cell)) for cell in row[:2]] + list(row[2:]) for row in rows)
     return text.getvalue()
 
 

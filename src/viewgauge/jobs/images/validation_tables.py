@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...formats.files.atomic import write_text_atomically
+from ...formats.files.spreadsheet_text import to_cell
 from .measure import Edges
 from .validation import LEVELS, Coverage, Validation
 
@@ -82,5 +83,15 @@ def write_validation(found: Mapping[Edges, Validation], path: str | PathLike[str
             spread = [float(errors.mean()), float(errors.std())] if len(errors) else ["", ""]
             predicted = [pair.length_px, pair.predicted_px, pair.location_px]
             counts = [int(good.sum()), int((~good).sum())]
-            writer.writerow([one.edges, pair.viewpoint, pair.characteristic, *predicted, *counts, *spread, *inside])
+            writer.writerow(
+                [
+                    one.edges,
+                    to_cell(pair.viewpoint),
+                    to_cell(pair.characteristic),
+                    *predicted,
+                    *counts,
+                    *spread,
+                    *inside,
+                ]
+            )
     write_text_atomically(Path(path), text.getvalue())

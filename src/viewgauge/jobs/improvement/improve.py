@@ -44,8 +44,7 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         If there is no candidate viewpoint.
     """
     progress = progress or Silent()
-    found = sort_characteristics(inspection.part, inspection.requirement)
-    characteristics = found.judged
+    characteristics = sort_characteristics(inspection.part, inspection.requirement).judged
     if not characteristics:
         raise InputError("no characteristic can be measured; see viewgauge check", key="part")
     planned = plan(inspection, progress=progress, prove=False)
