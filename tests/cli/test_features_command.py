@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "formats"))
 from step_texts import plate_with_leaning_hole, write_shape
 
 pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
+pytestmark = pytest.mark.usefixtures("folder")
 
 REST = {
     "camera": CAMERA,
@@ -46,7 +47,7 @@ def write(*entries: str, datums: str = "{}") -> None:
     Path("inspection.yaml").write_text(sections(part=part, **REST))
 
 
-def test_from_geometry_to_a_plan(folder, capsys):
+def test_from_geometry_to_a_plan(capsys):
     write()
     assert main(["check", "inspection.yaml"]) == 0
     checked = capsys.readouterr().out
@@ -70,7 +71,7 @@ def test_from_geometry_to_a_plan(folder, capsys):
     assert {entry["status"] for entry in document["characteristics"]} == {"met"}
 
 
-def test_features_as_json(folder, capsys):
+def test_features_as_json(capsys):
     assert main(["features", "plate.step", "--propose", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["part"]["solids"] == 1
@@ -79,12 +80,12 @@ def test_features_as_json(folder, capsys):
     assert {proposal["kind"] for proposal in document["proposals"]} == {"distance", "diameter", "position"}
 
 
-def test_proposals_are_printed(folder, capsys):
+def test_proposals_are_printed(capsys):
     assert main(["features", "plate.step", "--propose"]) == 0
     assert yaml.safe_load(capsys.readouterr().out)["part"]["datums"].keys() == {"A", "B", "C"}
 
 
-def test_a_mesh_has_no_features(folder, capsys):
+def test_a_mesh_has_no_features(capsys):
     import trimesh
 
     trimesh.creation.box((60, 40, 20)).export("box.stl")
@@ -94,7 +95,7 @@ def test_a_mesh_has_no_features(folder, capsys):
     assert "points:" in message
 
 
-def test_a_position_is_listed_and_not_an_error(folder, capsys):
+def test_a_position_is_listed_and_not_an_error(capsys):
     position = '{id: P1, position: H1, datums: [A, B], basic: "[30, 20] mm", zone: 0.2 mm}'
     write(HOLE, position, datums="{A: F3, B: F1}")
     assert main(["check", "inspection.yaml", "--json"]) == 1
@@ -117,14 +118,14 @@ def test_a_position_is_listed_and_not_an_error(folder, capsys):
         ("{id: P1, position: H1, tolerance: 0.1 mm}", "{}", ["a position has a zone"]),
     ],
 )
-def test_entries_that_cannot_be_used(folder, capsys, entry, datums, telling):
+def test_entries_that_cannot_be_used(capsys, entry, datums, telling):
     write(entry, datums=datums)
     assert main(["check", "inspection.yaml"]) == 2
     message = capsys.readouterr().err
     assert all(words in message for words in ["viewgauge: inspection.yaml", *telling]), message
 
 
-def test_features_of_a_mesh_are_refused(folder):
+def test_features_of_a_mesh_are_refused():
     import trimesh
 
     import viewgauge as vg

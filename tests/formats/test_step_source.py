@@ -194,9 +194,7 @@ def test_triangles_that_cannot_be_used_are_named(face, telling):
 
 
 def test_tessellated_instances_are_not_dropped():
-    more = (
-        "#50=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#6,#7,$);\n#51=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#6,#7,$);\n"
-    )
+    more = "".join(f"#{k}=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#6,#7,$);\n" for k in (50, 51))
     text = StepText.scan(step_text(box(INDEXED) + more))
     with pytest.raises(PartFileError, match="placed in an assembly"):
         tessellated_brep(text, "box", 1.0, "mm")
