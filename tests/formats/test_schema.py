@@ -144,6 +144,12 @@ MISTAKES = [
     ("part.characteristics", "[{id: A, unit: mm, tolerance: 0.1 mm}]"),
     ("part.characteristics", "[{id: A, tolerance: -0.1 mm}]"),
     ("part.characteristics", "[{id: A, observed: middle}]"),
+    ("part.characteristics", "[{id: A, distance: [F1], tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, diameter: [H1], tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, nominal: 8 mm, tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, diameter: H1, zone: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, position: H1, basic: 15}]"),
+    ("part.datums", "[F1, F2]"),
 ]
 
 
