@@ -273,7 +273,7 @@ def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
         ({"part": "{file: box.stl}"}, "part.characteristics", "no characteristic to measure"),
         ({"part": BOX["part"].replace("box.stl", "gone.stl")}, "gone.stl", "cannot be read"),
         ({"part": BOX["part"].replace("box.stl", "gone.step")}, "gone.step", "does not exist"),
-        ({"part": BOX["part"].replace("box.stl", "box.dwg")}, "box.dwg", "STEP (.stp, .step, .p21) or a mesh"),
+        ({"part": BOX["part"].replace("box.stl", "box.dwg")}, "box.dwg", "STEP (.stp, .step, .p21, .stpz"),
     ],
 )
 def test_bad_inspection_files(capsys, changes, where, telling):

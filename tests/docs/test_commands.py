@@ -153,6 +153,26 @@ def test_tutorial_shows_what_is_printed(
     require_lines(evaluated, capsys.readouterr().out)
 
 
+def test_features_page_shows_what_is_printed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("OCP")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "slotted_block.step").write_bytes((EXAMPLE / "slotted_block.step").read_bytes())
+    page = DOCS / "howto" / "features.md"
+    (shown,) = re.findall(r"```text\n(.*?)```", text_of(page), flags=re.DOTALL)
+    listing, proposing = commands(page)[:2]
+    assert main(shlex.split(listing)[1:]) == 0
+    require_lines(shown, capsys.readouterr().out)
+    assert main(shlex.split(proposing)[1:]) == 0
+    (part,) = sections(page)
+    other = YAML(typ="safe").load((EXAMPLE / "inspection.yaml").read_text(encoding="utf-8"))
+    proposed = YAML(typ="safe").load((tmp_path / "inspection.yaml").read_text(encoding="utf-8"))
+    for section, code in ((proposed, 0), (part, 1)):  # a position is not measured yet
+        YAML(typ="safe").dump(other | section, tmp_path / "inspection.yaml")
+        assert main(["check", "inspection.yaml"]) == code
+
+
 def test_improve_page_shows_what_is_printed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,6 +27,10 @@ part:
     - {id: A, points: [[0, 0, 40], [60, 0, 40]], unit: mm, tolerance: 0.1 mm, observed: whole}
     - {id: B, points: ["[0, 0, 40] mm", ["6 cm", 0 mm, "40 mm"]], tolerance: "[-0.05, 0.1] mm"}
     - {id: C, observed: ends}
+    - {id: D, distance: [F12, F7], nominal: 15 mm, tolerance: 0.1 mm}
+    - {id: E, diameter: H3, nominal: 9 mm, tolerance: "[0, 0.08] mm", observed: whole}
+    - {id: F, position: H3, datums: [A, B], basic: "[15, 20] mm", zone: 0.2 mm}
+  datums: {A: F1, B: F2}
 camera:
   focal_length: 1 inch
   pixel_pitch: "[3.45, 3.5] um"
@@ -140,6 +144,12 @@ MISTAKES = [
     ("part.characteristics", "[{id: A, unit: mm, tolerance: 0.1 mm}]"),
     ("part.characteristics", "[{id: A, tolerance: -0.1 mm}]"),
     ("part.characteristics", "[{id: A, observed: middle}]"),
+    ("part.characteristics", "[{id: A, distance: [F1], tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, diameter: [H1], tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, nominal: 8 mm, tolerance: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, diameter: H1, zone: 0.1 mm}]"),
+    ("part.characteristics", "[{id: A, position: H1, basic: 15}]"),
+    ("part.datums", "[F1, F2]"),
 ]
 
 

@@ -7,7 +7,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 
 from ....exceptions import PartFileError
 from ..step_text import Record, StepText
-from .sections import referenced_files
+from .step_sections import referenced_files
 
 __all__ = ["external_files", "refuse_without_geometry"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ....exceptions import PartFileError
 from .record_numbers import renumbered
-from .sections import one_data_section
+from .step_sections import one_data_section
 from .unpacking import read_unpacked
 
 __all__ = ["StepSource", "read_source"]
