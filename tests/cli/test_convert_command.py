@@ -53,5 +53,5 @@ def test_what_cannot_be_converted_is_refused(capsys):
     assert "not the size of an image" in refused(capsys, "convert", "k_d.yaml", "-o", "x.yaml", "--size", "big")
     assert "format of the file is not known" in refused(capsys, "convert", "text.txt", "-o", "x.yaml")
     assert "not a calibration" in refused(capsys, "convert", "text.txt", "-o", "x.yaml", "--as", "opencv")
-    assert "format of the file is not known" in refused(capsys, "convert", "none.yaml", "-o", "x.yaml")
+    assert "does not exist" in refused(capsys, "convert", "none.yaml", "-o", "x.yaml")
     assert not Path("x.yaml").exists()
