@@ -216,7 +216,12 @@ BAD = [
     (KALIBR, "cam7", None, "no such camera"),
     (KALIBR.replace("pinhole", "omni"), "cam0", "cam0.camera_model", "unknown camera model"),
     (KALIBR.replace("radtan", "fov"), "cam0", "cam0.distortion_model", "unknown distortion model"),
-    (KALIBR.replace("[2801.25, 2799.75, 1012.5, 770.125]", "[1, 2]"), "cam0", "cam0.intrinsics", "4 or 9 or 12 finite numbers"),
+    (
+        KALIBR.replace("[2801.25, 2799.75, 1012.5, 770.125]", "[1, 2]"),
+        "cam0",
+        "cam0.intrinsics",
+        "4 or 9 or 12 finite numbers",
+    ),
     (KALIBR.replace("[2801.25, ", "[0, "), "cam0", "cam0.intrinsics", "must be positive"),
 ]
 

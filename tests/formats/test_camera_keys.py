@@ -173,7 +173,7 @@ def test_what_is_wrong_in_the_calibration_file_is_reported_with_its_line(tmp_pat
     with pytest.raises(InspectionFileError) as caught:
         read(tmp_path, FILED, TOPIC.replace("plumb_bob", "fov"))
     assert caught.value.file == str(tmp_path / "camera.yaml")
-    assert caught.value.line == 4
+    assert caught.value.line == 3
     assert "unknown distortion model" in str(caught.value)
 
 

@@ -21,6 +21,7 @@ from .kalibr import KalibrFormat
 from .matlab import MatlabFormat
 from .mrcal import MrcalFormat
 from .ncamera import CameraListFormat
+from .open3d import Open3dFormat
 from .opencv import OpenCvFormat
 from .reading.calibration_document import CalibrationDocument
 from .realsense import RealSenseFormat
@@ -66,7 +67,8 @@ class CameraFormat(Protocol):
 
 CAMERA_FORMATS: Registry[CameraFormat] = Registry(
     *(MrcalFormat(), HalconFormat(), ColmapFormat(), RosIniFormat(), ZedFormat()),  # by their text
-    *(CameraListFormat(), KalibrFormat(), MatlabFormat(), RealSenseFormat(), RosCameraInfoFormat(), OpenCvFormat()),
+    *(CameraListFormat(), KalibrFormat(), MatlabFormat(), Open3dFormat(), RealSenseFormat(), RosCameraInfoFormat()),
+    OpenCvFormat(),
 )
 
 

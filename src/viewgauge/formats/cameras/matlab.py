@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+from .camera_file import CameraFile, Stated
 from .reading.calibration_document import CalibrationDocument
+from .reading.found_cameras import find_cameras
 from .reading.section_format import SectionFormat
 from .reading.section_reader import Conventions
 
@@ -24,3 +26,11 @@ class MatlabFormat(SectionFormat):
         """Whether there is a key that only MATLAB writes."""
         del document
         return bool(_KEYS & section.keys())
+
+    def read(self, document: CalibrationDocument, stated: Stated) -> CameraFile | None:
+        """The calibration of the camera that is meant; None where a problem was noted."""
+        if any("MappingCoefficients" in camera.section for camera in find_cameras(document.values)):
+            hint = "calibrate with the model of OpenCV's fisheye module"
+            document.problems.add(("MappingCoefficients",), "MATLAB's fisheye model is not known here", hint=hint)
+            return None
+        return super().read(document, stated)

@@ -41,6 +41,8 @@ def convert(
         If the file is of no known format, cannot be used, or the target is of another kind of content.
     """
     path = Path(source)
+    if not path.is_file():
+        raise InputError("the file does not exist, or is not a file", file=path, hint="check the path")
     found = _conversion(path, target)
     stated = dict(meanings or {})
     foreign = [name for name in stated if name not in found.meanings]

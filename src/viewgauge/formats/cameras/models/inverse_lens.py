@@ -29,7 +29,7 @@ LARGEST_RESIDUAL_PX = 0.01
 _COUNTS = (5, 8)  # coefficients: the fewest that are close enough
 _GRID, _DENSER = 41, 97
 _BEYOND = 0.01  # of the image's size, so that the corner pixels' edges are within
-_ENOUGH_PX = 1e-4
+_ENOUGH_PX = 1e-3
 
 Rays = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """From places in the image ``(n, 2)``, as tangents from the principal point, to tangents of the rays ``(n, 2)``."""
@@ -138,7 +138,7 @@ def _fitted(rays: Rays, frame: ImageFrame, count: int) -> Lens | None:
         b = np.concatenate(places.T - points.T) * weight
         scale = np.linalg.norm(A, axis=0)
         scale[scale == 0] = 1.0
-        values = np.linalg.lstsq(A / scale, b, rcond=None)[0] / scale
+        values = np.linalg.lstsq(A / scale, b, rcond=1e-10)[0] / scale
         if count == 8:
             below = 1 + square * (values[5] + square * (values[6] + square * values[7]))
             if not (below > 0).all():

@@ -71,7 +71,7 @@ def lens_reach(lens: Lens | None, corner: float) -> LensReach:
     square = tangent**2
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         below = 1 + square * (k4 + square * (k5 + square * k6))
-        radius = np.where(below > 0, tangent * (1 + square * (k1 + square * (k2 + square * k3))) / below, -np.inf)
+        radius = np.where(below > 0, tangent * (1 + square * (k1 + square * (k2 + square * k3))) / below, -1.0)
     return _reach(np.arctan(tangent), radius, corner)
 
 

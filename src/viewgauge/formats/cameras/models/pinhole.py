@@ -52,6 +52,8 @@ def read_pinhole(account: KeyAccount, *, transposed: bool = False, first_pixel: 
     _require_no_skew(account)
     if read is None:
         return None
+    if entry is not None:
+        _require_agreement(account, read)
     (cx, cy), document = read.principal_point_px, account.document
     if min(read.focal_length_px) <= 0:
         document.problems.add(
@@ -98,12 +100,37 @@ def _from_matrix(document: CalibrationDocument, entry: Entry, transposed: bool) 
     return _of_matrix(document, entry.where, K, findings)
 
 
+def _require_agreement(account: KeyAccount, read: Pinhole) -> None:
+    """Note a problem where numbers beside the matrix say something else."""
+    document = account.document
+    for pair, names, values in (
+        (FOCAL_PAIR, ("fx", "fy"), read.focal_length_px),
+        (PRINCIPAL_PAIR, ("cx", "cy"), read.principal_point_px),
+    ):
+        entries = [account.take(SCALARS[name], _is_scalar) for name in names]
+        both = account.take(pair, _is_few)
+        for entry, meant in ((entries[0], values[:1]), (entries[1], values[1:]), (both, values)):
+            if entry is None or entry.value is None:
+                continue
+            given = document.numbers(entry.where, entry.value if isinstance(entry.value, list) else [entry.value], None)
+            expected = meant if given is not None and len(given) == len(meant) else meant[:1]
+            if given is not None and not np.allclose(given, expected, rtol=1e-6, atol=1e-6):
+                got = f"{given} beside {[float(value) for value in expected]} in the matrix"
+                document.problems.add(entry.where, "the file says it differently in the matrix", got=got)
+
+
+def _is_few(value: Any) -> bool:
+    return _is_scalar(value) or (isinstance(value, list) and len(value) <= 2)
+
+
 def _of_matrix(
     document: CalibrationDocument, where: KeyPath, K: NDArray[np.float64], findings: tuple[Finding, ...]
 ) -> Pinhole | None:
     if K[2, 0] or K[2, 1] or K[2, 2] != 1:
         got = f"row 3 is {K[2].tolist()}"
         hint = "the principal point stands in column 3 of rows 1 and 2"
+        if not K.any():
+            hint = "a matrix of zeros stands in files of a camera that is not calibrated"
         document.problems.add(where, "not a camera matrix", got=got, expected="0, 0, 1 in row 3", hint=hint)
         return None
     if abs(K[0, 1]) > _ROUNDING * abs(K[0, 0]) or K[1, 0]:

@@ -12,11 +12,12 @@ from .lens_reach import corner_distance, lens_reach
 __all__ = ["implausible_calibration"]
 
 _OFF_MIDDLE = 0.1  # of the width or the height
+_AT_THE_EDGE = 0.4
 _SHAPE = 0.05  # how far fx and fy may differ
 _WIDEST_PINHOLE_RAD, _WIDEST_FISHEYE_RAD = math.radians(150.0), math.radians(240.0)
 _NARROWEST_RAD = math.radians(0.5)
 _LEAST_SHARE = 0.7  # of the distance to the corner that a lens must be usable for
-_LARGEST_TANGENTIAL = 0.05
+_LARGEST_TANGENTIAL = 0.01
 _SENSOR_MM = 60.0  # no principal point in mm is farther from the sensor's corner
 
 _STANDARD_SIZES = (
@@ -85,6 +86,7 @@ def _principal_point(centre: tuple[float, float], size: tuple[int, int], where: 
         f"at most {_OFF_MIDDLE:.0%}",
         _cause_of_centre(centre, size),
         where,
+        refused=abs(off[axis]) > _AT_THE_EDGE,
     )
 
 
@@ -160,10 +162,10 @@ def _turns_back(
         "farthest corner: beyond, the image cannot be used",
         "a lens that reaches the corners",
         "coefficients of another model or in another order"
-        if reach.share < _LEAST_SHARE
+        if reach.share < _LEAST_SHARE and lens is not None and lens.model != "equidistant"
         else "the calibration's points did not reach the corners",
         where,
-        refused=reach.share < _LEAST_SHARE,
+        refused=reach.share < _LEAST_SHARE and lens is not None and lens.model != "equidistant",
     )
 
 
@@ -189,11 +191,11 @@ def _tangential(lens: Lens | None, where: str) -> Iterator[Finding]:
     if lens is None or lens.model != "radial-tangential":
         return
     largest = max(abs(lens.coefficients[2]), abs(lens.coefficients[3]))
-    if largest > _LARGEST_TANGENTIAL:
+    if largest >= _LARGEST_TANGENTIAL:
         yield Finding(
             "tangential_distortion",
             f"the tangential coefficients are {lens.coefficients[2]:.3g} and {lens.coefficients[3]:.3g}",
-            f"at most {_LARGEST_TANGENTIAL:g}",
+            f"below {_LARGEST_TANGENTIAL:g}",
             "the coefficients are in another order (k1, k2, k3, p1, p2), or of a fisheye",
             where,
         )

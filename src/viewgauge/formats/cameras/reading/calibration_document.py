@@ -43,6 +43,11 @@ class CalibrationDocument:
 
     @cached_property
     def values(self) -> Any:
+        """The content as plain values, keys such as ``Camera.fx`` taken apart at their first point."""
+        values = self._parsed()
+        return _taken_apart(values) if isinstance(values, dict) else values
+
+    def _parsed(self) -> Any:
         """The whole file as dicts, lists, numbers and texts, where it is YAML, JSON or OpenCV's XML; else None."""
         text = self.text
         if text.lstrip().startswith("<"):
@@ -120,6 +125,17 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise ValueError("a key is there twice")
+    return found
+
+
+def _taken_apart(values: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        head, point, tail = str(key).partition(".")
+        if point and head and tail and head not in values:
+            found.setdefault(head, {})[tail] = value
+        else:
+            found[key] = value
     return found
 
 

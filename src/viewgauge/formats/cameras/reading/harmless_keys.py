@@ -20,6 +20,9 @@ _SAYS_WHO = "who, when and with what the calibration was made"
 _DATA = "the calibration's input, not its result"
 _NAMES = "the name of the camera, of a frame or of a topic"
 _FLAGS = "which coefficients were fitted; their values stand in the file"
+_ACQUISITION = "how images are taken, not where the lens shows points"
+_IN_MM = "a length in mm of lens or sensor; the focal length in px says what counts"
+_OTHER_PARTS = "options of the program that uses the camera"
 _DEPTH = "of a depth sensor, not of the image"
 
 
@@ -74,6 +77,23 @@ HARMLESS_NAMES: dict[str, str] = {
             "reprojectederrors worldunits keypoints"
         ),
         _DATA,
+    ),
+    **dict.fromkeys(
+        _words(
+            "sensortype ratehz rate fps framerate frequency hz rgb isrgb exposure exposuretime gain bitdepth format"
+        ),
+        _ACQUISITION,
+    ),
+    **dict.fromkeys(
+        _words(
+            "focallengthmm lensfocallength lensfocallengthmm nominalfocallength nominalfocallengthmm sensorwidthmm "
+            "sensorheightmm sensorsizemm pixelsize pixelsizemm pixelsizeum pixelpitch pixelpitchum pixelpitchmm "
+            "sensorsize"
+        ),
+        _IN_MM,
+    ),
+    **dict.fromkeys(
+        _words("orbextractor viewer imu system loopclosing stereo bf thdepth depthmapfactor"), _OTHER_PARTS
     ),
     **dict.fromkeys(_words("depthscale depthunits depthfactor rgbtodepth depthtocolor"), _DEPTH),
     **dict.fromkeys(_words("version fileversion formatversion schema xmlns encoding nodes"), _SAYS_WHO),

@@ -45,7 +45,8 @@ def _words(text: str) -> frozenset[str]:
 MATRIX = _words(
     "cameramatrix cameramat cammatrix cammat matrix k kmatrix kmat mtx cameramtx mat cameraintrinsicmatrix "
     "intrinsicmatrix intrinsicmat intrinsic intrinsics intrinsicparameters intrinsicparams intrinsicsmatrix "
-    "intrinsicsparameters cameraintrinsics cameraintrinsic calibrationmatrix m calibmatrix intrinsicsvector"
+    "intrinsicsparameters projectionparameters "
+    "projectionparams cameraintrinsics cameraintrinsic calibrationmatrix m calibmatrix intrinsicsvector"
 )
 DISTORTION = _words(
     "distortioncoefficients distortioncoefficents distortioncoefficient distortioncoeffs distortioncoeff "

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....findings import Finding
 from ....geometry import Lens
-from ...files.problems import KeyPath
+from ...files.problems import KeyPath, dotted
 from ..camera_file import CameraFile, Stated
 from ..models.image_size import read_image_size
 from ..models.image_window import read_image_window
@@ -136,6 +136,6 @@ def _rolling_shutter(account: KeyAccount) -> tuple[Finding, ...]:
             f"the lines of the image are exposed one after the other, {delay:g} ns apart",
             "all lines at once",
             "a rolling shutter, which is not modelled: what moves during the exposure is measured wrong",
-            f"{account.document.path}: {account.where}",
+            f"{account.document.path}: {dotted(entry.where)}",
         ),
     )
