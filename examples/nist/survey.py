@@ -35,7 +35,16 @@ COLUMNS = (
         "characteristics with measurands",
         "measurands",
     ),
-    *("candidates", "viewpoints", "least of those known", "least anywhere", "met", "not met", "not measurable", "out of scope"),
+    *(
+        "candidates",
+        "viewpoints",
+        "least of those known",
+        "least anywhere",
+        "met",
+        "not met",
+        "not measurable",
+        "out of scope",
+    ),
     "weakest probability",
 )
 

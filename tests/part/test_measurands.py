@@ -136,7 +136,10 @@ def test_unsupported_pmi_records_are_listed_with_their_reason():
     solid, (hole,) = drilled_plate(HOLES[:1])
     cases = {
         "radius": (pmi_record("radius", 4.0, [face(hole[0])]), "a radius has no pair"),
-        "angle": (pmi_record("angle", 1.0, [face(2)], [face(3)], label="angular location"), "57.2958 deg, its faces 90 deg"),
+        "angle": (
+            pmi_record("angle", 1.0, [face(2)], [face(3)], label="angular location"),
+            "57.2958 deg, its faces 90 deg",
+        ),
         "nothing": (pmi_record("distance", 5.0, []), "refers to no face"),
         "unread": (replace(pmi_record("distance", 5.0, []), problem="lost in translation"), "lost in translation"),
         "perpendicular": (pmi_record("distance", 10.0, [face(2)], [face(3)]), "not parallel"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -109,7 +109,7 @@ class PlannedCharacteristic:
     single_probability: float | None = None
     certificate: Certificate | None = None
     proof: str = ""
-    indication: Indication = Indication()
+    indication: Indication = field(default_factory=Indication)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", Status(self.status))  # a plan that is read has the plain value
@@ -168,4 +168,6 @@ class Plan(Drawable):
     @property
     def all_met(self) -> bool:
         """There are characteristics, and every one is met."""
-        return bool(self.characteristics) and all(characteristic.status == Status.MET for characteristic in self.characteristics)
+        return bool(self.characteristics) and all(
+            characteristic.status == Status.MET for characteristic in self.characteristics
+        )

@@ -72,7 +72,7 @@ class DatumSystems:
     text: StepText
 
     def datums(self, numbers: list[int]) -> tuple[str, ...]:
-        """The datums that the records of a tolerance's datum reference name, in their order, such as ``("A", "B-C (M)")``.
+        """The datums that the records of a datum reference name, in their order, such as ``("A", "B-C (M)")``.
 
         A record is a datum system, which lists compartments, or (before edition 1 of AP242) a datum reference with its
         place in the order.
@@ -84,7 +84,9 @@ class DatumSystems:
                 compartments = numbers_in(system.parameters[-1:])
                 named += [(n, self._name(compartment, 0)) for n, compartment in enumerate(compartments)]
                 continue
-            order = next((p for part in self.text.records(number) for p in part.parameters if isinstance(p, float)), place)
+            order = next(
+                (p for part in self.text.records(number) for p in part.parameters if isinstance(p, float)), place
+            )
             named.append((float(order), self._name(number, 0)))
         return tuple(name for _, name in sorted(named, key=lambda entry: entry[0]))
 

@@ -129,7 +129,13 @@ class DimensionValues:
         if number in self.plus_minus:
             deviations, tolerance_class, unread = self._deviations(self.plus_minus[number][0], nominal, kind)
             return DimensionValue(
-                nominal, deviations, (None, None), tolerance_class, modifiers, toleranced=True, problem=unread or problem
+                nominal,
+                deviations,
+                (None, None),
+                tolerance_class,
+                modifiers,
+                toleranced=True,
+                problem=unread or problem,
             )
         if lower is not None or upper is not None:
             nominal = next(v for v in (nominal, upper, lower) if v is not None and not math.isnan(v))

@@ -167,7 +167,10 @@ class GeometricToleranceReader:
                 values = [self._units.value(n) for n in numbers_in(parts[name].parameters)]
                 text = " x ".join(amount(value) for value in values if value is not None)
                 if "GEOMETRIC_TOLERANCE_WITH_DEFINED_AREA_UNIT" in parts and "DEFINED_UNIT" in name:
-                    text, meaning = self._area(parts["GEOMETRIC_TOLERANCE_WITH_DEFINED_AREA_UNIT"], text), "on any area {}"
+                    text, meaning = (
+                        self._area(parts["GEOMETRIC_TOLERANCE_WITH_DEFINED_AREA_UNIT"], text),
+                        "on any area {}",
+                    )
                 marks.append(mark.format(text))
                 words.append(meaning.format(text))
         return marks, words

@@ -14,13 +14,28 @@ _RECORD = re.compile(r"#(\d+)\s*=\s*((?:'[^']*'|[^';])*);")
 _COMMENT = re.compile(r"('[^']*')|/\*.*?\*/", re.S)
 _STRING = re.compile(r"'[^']*'")
 _REFERENCE = re.compile(r"#(\d+)")
-_KINDS = (
-    "straightness flatness roundness cylindricity line_profile surface_profile angularity parallelism "
-    "perpendicularity position coaxiality concentricity symmetry circular_runout total_runout"
-).split()
+_KINDS = [
+    "straightness",
+    "flatness",
+    "roundness",
+    "cylindricity",
+    "line_profile",
+    "surface_profile",
+    "angularity",
+    "parallelism",
+    "perpendicularity",
+    "position",
+    "coaxiality",
+    "concentricity",
+    "symmetry",
+    "circular_runout",
+    "total_runout",
+]
 _GEOMETRIC = re.compile(rf"\b({'|'.join(_KINDS)})_tolerance\s*\(", re.I)
 _UNKNOWN = re.compile(r"\b(?:MODIFIED_|UNEQUALLY_DISPOSED_)?GEOMETRIC_TOLERANCE(?:_WITH_[A-Z_]+)?\s*\(", re.I)
-_DIMENSION = re.compile(r"\b(?:(?:DIRECTED_)?DIMENSIONAL_(?:LOCATION|SIZE)[A-Z_]*|ANGULAR_(?:LOCATION|SIZE))\s*\(", re.I)
+_DIMENSION = re.compile(
+    r"\b(?:(?:DIRECTED_)?DIMENSIONAL_(?:LOCATION|SIZE)[A-Z_]*|ANGULAR_(?:LOCATION|SIZE))\s*\(", re.I
+)
 _LIMIT = re.compile(r"REPRESENTATION_ITEM\s*\(\s*'\s*(?:upper|lower) limit\s*'", re.I)
 _QUALIFIED = re.compile(r"QUALIFIED_REPRESENTATION_ITEM\s*\(\s*\(([^()]*)\)", re.I)
 _MOST_OR_LEAST = re.compile(r"TYPE_QUALIFIER\s*\(\s*'\s*(?:maximum|minimum)\s*'", re.I)

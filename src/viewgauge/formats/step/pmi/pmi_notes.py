@@ -45,7 +45,9 @@ def pmi_notes(text: StepText, pmi_records: Sequence[PmiRecord]) -> list[str]:
         drawn = len(text.numbers(*_GRAPHICAL))
         notes = ["The file has no semantic PMI: geometry only."]
         if drawn:
-            notes = [f"The file has graphical PMI ({drawn} annotations, drawn lines) but no semantic PMI: geometry only."]
+            notes = [
+                f"The file has graphical PMI ({drawn} annotations, drawn lines) but no semantic PMI: geometry only."
+            ]
     targets = DatumSystems(text).targets()
     if targets:
         notes.append(f"Datum targets: {', '.join(targets)}; the characteristics that refer to them are not measured.")
