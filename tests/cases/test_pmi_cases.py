@@ -9,10 +9,9 @@ from functools import cache
 import pytest
 
 import viewgauge as vg
+from cases.version_2 import CASES, version_2
 from viewgauge.cli.app import main
 from viewgauge.exceptions import InspectionFileError
-
-from cases.version_2 import CASES, version_2
 
 pytest.importorskip("OCP", reason="the CAD kernel (OCP) is not installed")
 FOLDER = CASES / "pmi"

@@ -66,8 +66,8 @@ def test_a_kind_that_is_not_known_is_listed_all_the_same():
 
 def test_datums_keep_their_order_common_ones_and_modifiers():
     record, _ = read(
-        SYSTEM
-        + "#40=(GEOMETRIC_TOLERANCE('','',#2,#10) GEOMETRIC_TOLERANCE_WITH_DATUM_REFERENCE((#63)) POSITION_TOLERANCE());"
+        SYSTEM + "#40=(GEOMETRIC_TOLERANCE('','',#2,#10) GEOMETRIC_TOLERANCE_WITH_DATUM_REFERENCE((#63)) "
+        "POSITION_TOLERANCE());"
     )
     assert record.indication.datums == ("A", "B-C", "C (M)")
     simple, _ = read(SYSTEM + "#40=PARALLELISM_TOLERANCE('','',#2,#10,(#63));")
@@ -88,14 +88,20 @@ def test_zones_and_modifiers_stand_as_on_a_drawing():
     assert indication.modifiers == (
         "maximum material requirement", "tangent plane", "projected tolerance zone 12.5",
     )  # fmt: skip
-    unequal = "#40=(GEOMETRIC_TOLERANCE('','',#2,#10) SURFACE_PROFILE_TOLERANCE() UNEQUALLY_DISPOSED_GEOMETRIC_TOLERANCE(#2));"
+    unequal = (
+        "#40=(GEOMETRIC_TOLERANCE('','',#2,#10) SURFACE_PROFILE_TOLERANCE() "
+        "UNEQUALLY_DISPOSED_GEOMETRIC_TOLERANCE(#2));"
+    )
     assert read(unequal)[0].indication.text == "surface profile 0.2 (U) 0.2"
     area = (
         "#40=(FLATNESS_TOLERANCE() GEOMETRIC_TOLERANCE('','',#2,#10) GEOMETRIC_TOLERANCE_WITH_DEFINED_UNIT(#3) "
         "GEOMETRIC_TOLERANCE_WITH_DEFINED_AREA_UNIT(.RECTANGULAR.,#3));"
     )
     assert read(area)[0].indication.text == "flatness 0.2 / 12.5 x 12.5"
-    sphere = "#40=POSITION_TOLERANCE('','',#2,#10);#41=TOLERANCE_ZONE('','',#9,.F.,(#40),#42);#42=TOLERANCE_ZONE_FORM('spherical');"
+    sphere = (
+        "#40=POSITION_TOLERANCE('','',#2,#10);#41=TOLERANCE_ZONE('','',#9,.F.,(#40),#42);"
+        "#42=TOLERANCE_ZONE_FORM('spherical');"
+    )
     assert read(sphere)[0].indication.text == "position spherical diameter 0.2"
 
 

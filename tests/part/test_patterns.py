@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-
 from breps import face, pmi_record, prism
+
 from viewgauge.part.characteristics import derive_characteristics
 from viewgauge.part.features.feature_groups import feature_groups
 from viewgauge.part.features.outline import Outline
