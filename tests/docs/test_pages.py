@@ -16,7 +16,7 @@ COLUMNS = 120
 def prose(text: str) -> list[str]:
     """Lines outside of code and formulas that are no row of a table, no heading, no picture and no printed finding."""
     text = re.sub(r"^```.*?^```|^\$\$.*?\$\$", "", text, flags=re.MULTILINE | re.DOTALL)
-    return [line for line in text.splitlines() if not re.match(r" {4}|\||#|!\[|- .*\*\*not m", line)]
+    return [line for line in text.splitlines() if not re.match(r" {4}|\||#|!\[|- note: |- .*\*\*(not m|out of)", line)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())

@@ -136,7 +136,7 @@ class PmiRecord:
     second: tuple[Reference, ...] = ()
     problem: str = ""
     status: Measurability = Measurability.NOT_MEASURABLE
-    indication: Indication = Indication()
+    indication: Indication = field(default_factory=Indication)
 
     @property
     def unit(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -45,7 +45,7 @@ class Characteristic:
     tolerance_mm: tuple[float, float] | None
     measurands: tuple[PointPair, ...]
     observed: Observed = "ends"
-    indication: Indication = Indication()
+    indication: Indication = field(default_factory=Indication)
 
     @property
     def unit(self) -> str:
@@ -87,4 +87,4 @@ class NotMeasurable:
     tolerance_mm: tuple[float, float] | None = None
     unit: str = "mm"
     status: Measurability = Measurability.NOT_MEASURABLE
-    indication: Indication = Indication()
+    indication: Indication = field(default_factory=Indication)

@@ -8,7 +8,7 @@ from .indication import Measurability
 
 __all__ = ["GEOMETRIC_TOLERANCES", "GeometricTolerance", "geometric_tolerance"]
 
-_WHOLE_SURFACE = "points of a whole surface are needed, and a camera locates points of edges only"
+_WHOLE_SURFACE = "it needs points of a whole surface, and a camera locates points of edges only"
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def _not_yet(kind: str, words: str = "") -> GeometricTolerance:
 
 def _surface(kind: str, words: str = "") -> GeometricTolerance:
     words = words or kind
-    return GeometricTolerance(kind, words, Measurability.OUT_OF_SCOPE, f"{words}: {_WHOLE_SURFACE}")
+    return GeometricTolerance(kind, words, Measurability.OUT_OF_SCOPE, _WHOLE_SURFACE)
 
 
 GEOMETRIC_TOLERANCES: dict[str, GeometricTolerance] = {

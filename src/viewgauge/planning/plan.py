@@ -110,7 +110,7 @@ class PlannedCharacteristic:
     single_probability: float | None = None
     certificate: Certificate | None = None
     proof: str = ""
-    indication: Indication = Indication()
+    indication: Indication = field(default_factory=Indication)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", Status(self.status))  # a plan that is read has the plain value

@@ -14,7 +14,7 @@ __all__ = ["indication_document", "read_indication"]
 def indication_document(
     kind: str, nominal: float, tolerance: tuple[float, float] | None, indication: Indication
 ) -> dict[str, Any]:
-    """``record`` to ``features`` of a characteristic: values in ``unit``, mm or (of an angle) deg; null where undefined.
+    """``record`` to ``features`` of a characteristic: values in ``unit``, mm or deg (of an angle); null if undefined.
 
     Parameters
     ----------

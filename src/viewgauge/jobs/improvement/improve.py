@@ -44,8 +44,8 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         If there is no candidate viewpoint.
     """
     progress = progress or Silent()
-    groups = sort_characteristics(inspection.part, inspection.requirement)
-    characteristics = groups.judged
+    split = sort_characteristics(inspection.part, inspection.requirement)
+    characteristics = split.judged
     if not characteristics:
         raise InputError("no characteristic can be measured; see viewgauge check", key="part")
     planned = plan(inspection, progress=progress, prove=False)
@@ -94,7 +94,7 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
         part,
         trade_off,
         tuple(d.id for j, d in enumerate(characteristics) if not possible[j]),
-        groups.not_measurable,
+        split.not_measurable,
         len(poses),
     )
 

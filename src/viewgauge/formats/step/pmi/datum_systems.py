@@ -72,7 +72,7 @@ class DatumSystems:
     text: StepText
 
     def datums(self, numbers: list[int]) -> tuple[str, ...]:
-        """The datums that the records of a tolerance's datum reference name, in their order, such as ``("A", "B-C (M)")``.
+        """The datums that the records of a datum reference name, in their order, such as ``("A", "B-C (M)")``.
 
         A record is a datum system, which lists compartments, or (before edition 1 of AP242) a datum reference with its
         place in the order.

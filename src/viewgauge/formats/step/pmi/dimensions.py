@@ -97,7 +97,8 @@ class DimensionReader:
 
 def _label_and_sides(parts: Sequence[Record]) -> tuple[str, list[int]]:
     """The dimension's own word and the shape aspects it applies to (one of a size, two of a location)."""
-    label, sides = "", []
+    label: str = ""
+    sides: list[int] = []
     location = any(part.type in LOCATIONS for part in parts)
     for part in sorted(parts, key=lambda part: part.type not in SIZES):  # a size's own word before its aspect's name
         parameters = part.parameters
