@@ -65,14 +65,15 @@ def simulate(
     only
         Render only what is needed to measure the characteristics of these ids, separated by commas.
     chord_error
-        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; by default a twentieth of the smallest allowed error.
     """
+    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.write import output_folder
 
     bars = Bars()
     with output_folder(output):
         with bars.stage("Reading the inspection and its part"):
-            inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+            inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
         sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = vg.simulate(
             inspection,
@@ -181,15 +182,16 @@ def validate(
     rays
         Cast this many rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
     chord_error
-        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; by default a twentieth of the smallest allowed error.
     output
         Write all pairs of viewpoints and characteristics to this file (CSV).
     """
+    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.images.validation_tables import describe_validation, write_validation
 
     bars = Bars()
     with bars.stage("Reading the inspection and its part"):
-        inspection = vg.load(file, part=part, chord_error_mm=chord_error)
+        inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
     sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits)
     with vg.open_executor(None, workers) as executor:
         found = vg.validate(

@@ -46,6 +46,8 @@ class InspectionFile:
         Files that were read along with this one: covariance, common covariance, calibration.
     setup
         Camera, pose error, requirement and limits.
+    calibration_file
+        Of the camera; None where the file itself states the optics.
     """
 
     path: Path
@@ -55,7 +57,19 @@ class InspectionFile:
     viewpoints_file: Path | None
     other_files: tuple[Path, ...]
     setup: Setup
+    calibration_file: Path | None = None
     _planning: Mapping[str, Any] = field(default_factory=dict)  # fields of Inspection that are not of the set-up
+
+    @property
+    def distance_mm(self) -> tuple[float, float] | None:
+        """Nearest and farthest distance at which candidates are sampled, mm; None where it is not stated."""
+        distances: tuple[float, float] | None = self._planning["candidates"].distance_mm
+        return None if self.viewpoints_file is not None else distances
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether a calibration file states the camera's optics."""
+        return self.calibration_file is not None
 
     def inspection(
         self,
@@ -111,7 +125,8 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
     assert limits and averaged_viewpoints  # noqa: PT018
     section, options = candidates
     named = [_file(text, "pose_uncertainty", "covariance")]
-    named += [_file(text, "pose_uncertainty", "common", "covariance"), _file(text, "camera", "calibration")]
+    calibration = _file(text, "camera", "calibration")
+    named += [_file(text, "pose_uncertainty", "common", "covariance"), calibration]
     return InspectionFile(
         path=text.path,
         part_file=None if part.file is None else text.beside(part.file, "part.file"),
@@ -122,6 +137,7 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
         else text.beside(section.viewpoints, "candidates.viewpoints"),
         other_files=tuple(file for file in named if file is not None),
         setup=Setup(camera, pose_error, requirement, limits),
+        calibration_file=calibration,
         _planning={"candidates": options, "seed": top.seed, "averaged_viewpoints": averaged_viewpoints},
     )
 
