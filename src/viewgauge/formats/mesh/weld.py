@@ -51,7 +51,8 @@ def _with_corners(triangles: NDArray[np.int64], number: NDArray[np.int64]) -> ND
     """Triangles by new numbers of their vertices, without those that have collapsed."""
     renumbered: NDArray[np.int64] = number[triangles]
     a, b, c = renumbered.T
-    return renumbered[(a != b) & (b != c) & (c != a)]
+    proper: NDArray[np.int64] = renumbered[(a != b) & (b != c) & (c != a)]
+    return proper
 
 
 def _clusters(places: NDArray[np.float64], distance: float) -> NDArray[np.int64]:
