@@ -11,8 +11,8 @@ import trimesh
 import viewgauge as vg
 from cases.version_2 import CASES, copy_case
 from viewgauge.exceptions import PartFileError
-from viewgauge.formats.mesh.meshes import read_mesh
 from viewgauge.formats.mesh.mesh_part import MeshPart
+from viewgauge.formats.mesh.meshes import read_mesh
 from viewgauge.part.characteristics.point_pairs import measurand_on_mesh, missing_edge
 
 shared = pytest.mark.skipif(not CASES.is_dir(), reason="the shared cases are not beside this checkout")
@@ -162,7 +162,9 @@ def test_triangle_strips(tmp_path, order):
         numbers = np.array(body.split(), dtype=float)
         name = "little" if order == "<" else "big"
         head = f"{header.replace('ascii', f'binary_{name}_endian')}end_header\n".encode()
-        path.write_bytes(head + numbers[:24].astype(f"{order}f4").tobytes() + numbers[24:].astype(f"{order}i4").tobytes())
+        path.write_bytes(
+            head + numbers[:24].astype(f"{order}f4").tobytes() + numbers[24:].astype(f"{order}i4").tobytes()
+        )
     mesh, notes = read_mesh(path)
     assert len(mesh.triangles) == 12
     assert volume(mesh) == pytest.approx(9 * 7 * 5)
