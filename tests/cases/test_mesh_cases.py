@@ -174,7 +174,8 @@ def test_triangle_strips(tmp_path, order):
 MODEL = """<?xml version="1.0"?>
 <model unit="{unit}" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>
 <object id="1" type="model"><mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>
-<object id="2" type="model"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 4 0 0"/></components></object>
+<object id="2" type="model"><components>
+<component objectid="1" transform="1 0 0 0 1 0 0 0 1 4 0 0"/></components></object>
 </resources><build><item objectid="1"/><item objectid="2" transform="1 0 0 0 1 0 0 0 1 0 8 0"/></build></model>
 """
 
