@@ -110,7 +110,6 @@ def test_blur_in_special_places():
         ({"principal_point_px": 3}, "principal_point_px"),
         ({"blur_limit_px": 0}, "blur_limit_px"),
         ({"f_number": 8.0}, "focus distance"),
-        ({"focus_distance_mm": 400.0}, "aperture"),
         ({"f_number": 0.0, "focus_distance_mm": 400.0}, "f_number"),
         ({"f_number": 8.0, "focus_distance_mm": 16.0}, "longer than the focal length"),
     ],

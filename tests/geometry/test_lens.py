@@ -94,7 +94,7 @@ def test_pixels_are_where_opencv_projects_and_lead_back():
 
 def test_a_lens_that_folds_within_the_image_is_refused():
     with pytest.raises(InputError, match="two directions in one place"):
-        Camera(8.0, (0.00345, 0.00345), (2448, 2048), lens=Lens("radial-tangential", (-0.9, 0, 0, 0)))
+        Camera(8.0, (0.00345, 0.00345), (2448, 2048), lens=Lens("radial-tangential", (-9.0, 0, 0, 0)))
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import viewgauge as vg
 from .options import DONE, NOT_MET, Json, PartFile, Seed, Workers, count, whole_number
 from .output import print_json
 from .progress import Bars
-from .reading import read_inspection
+from .reading import print_findings, read_inspection
 
 __all__ = ["measure", "simulate", "validate"]
 
@@ -66,13 +66,16 @@ def simulate(
     only
         Render only what is needed to measure the characteristics of these ids, separated by commas.
     chord_error
-        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; by default a twentieth of the smallest allowed error.
     """
+    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.write import output_folder
 
     bars = Bars()
     with output_folder(output, alone=True):
-        inspection = read_inspection(file, part, chord_error_mm=chord_error)
+        with bars.stage("Reading the inspection and its part"):
+            inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
+        print_findings(inspection.findings)
         sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = vg.simulate(
             inspection,
@@ -180,14 +183,17 @@ def validate(
     rays
         Cast this many rays through each pixel that holds an edge: 8, 13, 21, 34, 55, 89, 144, 233, 377 or 610.
     chord_error
-        Keep the mesh within this distance of curved faces, mm; a smaller one makes holes rounder.
+        Keep the mesh within this distance of curved faces, mm; by default a twentieth of the smallest allowed error.
     output
         Write all pairs of viewpoints and characteristics to this file (CSV).
     """
+    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.images.validation_tables import describe_validation, write_validation
 
     bars = Bars()
-    inspection = read_inspection(file, part, chord_error_mm=chord_error)
+    with bars.stage("Reading the inspection and its part"):
+        inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
+    print_findings(inspection.findings)
     sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits)
     with vg.open_executor(None, workers) as executor:
         found = vg.validate(

@@ -23,6 +23,8 @@ if TYPE_CHECKING:  # what takes long to import is imported while a child process
 
 __all__ = ["load"]
 
+_FOCUS_MATTERS = 0.01  # of the image scale
+
 
 def load(
     path: str | PathLike[str],
@@ -81,6 +83,8 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
     if file.viewpoints_file is not None:
         ids, poses = read_viewpoints(file.viewpoints_file)
         viewpoints = ExplicitViewpoints(ids, poses)
+    if note := _focus_note(file):
+        part = replace(part, notes=(*part.notes, note))
     used = (file.path, part_path, file.viewpoints_file, *file.other_files)
     inspection = file.inspection(
         part,
@@ -89,6 +93,20 @@ def _inspection(file: InspectionFile, part_path: Path, part: Part) -> Inspection
         inputs={f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in used if f is not None},
     )
     return replace(inspection, findings=_admitted(inspection, file), accepted=file.accepted)
+
+
+def _focus_note(file: InspectionFile) -> str:
+    """What the image scale owes to the focus, where it is not stated and the stated distances make it matter."""
+    camera, distances = file.setup.camera, file.distance_mm
+    if camera.focus_distance_mm is not None or file.is_calibrated or distances is None:
+        return ""
+    longer = 1 / max(1 - camera.focal_length_mm / distances[0], 0.01) - 1
+    if longer <= _FOCUS_MATTERS:
+        return ""
+    return (
+        f"no focus_distance is given, so the principal distance is taken as the focal length: focused at "
+        f"{distances[0]:g} mm, images are {longer:.1%} larger"
+    )
 
 
 def _admitted(inspection: Inspection, file: InspectionFile) -> tuple[Finding, ...]:

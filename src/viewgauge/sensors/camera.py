@@ -119,7 +119,6 @@ class Camera:
             if self.focus_distance_mm is None:
                 raise InputError(
                     "an aperture needs a focus distance",
-                    key="focus_distance_mm",
                     got=f"f_number={self.f_number} and no focus distance",
                     hint="state the distance in focus as well",
                 )

@@ -17,8 +17,8 @@ from ..cameras.camera_file import CameraFile, Stated
 from ..cameras.camera_formats import read_camera_file
 from .edge_detector_section import EdgeDetectorSection
 from .inspection_text import InspectionText
-from .optics_findings import camera_findings
-from .usable_region_section import UsableRegionSection, read_usable_region
+from .optics.optics_findings import camera_findings
+from .optics.usable_region_section import UsableRegionSection, read_usable_region
 from .validation import build, validate
 from .values import (
     Apart,

@@ -53,6 +53,8 @@ class InspectionFile:
         Names of findings that the user accepts.
     findings
         What is implausible in the files that this one names.
+    calibration_file
+        Of the camera; None where the file itself states the optics.
     """
 
     path: Path
@@ -65,7 +67,19 @@ class InspectionFile:
     setup: Setup
     accepted: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    calibration_file: Path | None = None
     _planning: Mapping[str, Any] = field(default_factory=dict)  # fields of Inspection that are not of the set-up
+
+    @property
+    def distance_mm(self) -> tuple[float, float] | None:
+        """Nearest and farthest distance at which candidates are sampled, mm; None where it is not stated."""
+        distances: tuple[float, float] | None = self._planning["candidates"].distance_mm
+        return None if self.viewpoints_file is not None else distances
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether a calibration file states the camera's optics."""
+        return self.calibration_file is not None
 
     def inspection(
         self,
@@ -121,7 +135,8 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
     assert limits and averaged_viewpoints  # noqa: PT018
     section, options = candidates
     named = [_file(text, "pose_uncertainty", "covariance")]
-    named += [_file(text, "pose_uncertainty", "common", "covariance"), _file(text, "camera", "calibration")]
+    calibration = _file(text, "camera", "calibration")
+    named += [_file(text, "pose_uncertainty", "common", "covariance"), calibration]
     return InspectionFile(
         path=text.path,
         part_file=None if part.file is None else text.beside(part.file, "part.file"),
@@ -135,6 +150,7 @@ def read_inspection_file(path: str | os.PathLike[str] | InspectionText) -> Inspe
         setup=Setup(camera, pose_error, requirement, limits),
         accepted=tuple(top.accept),
         findings=tuple(text.findings),
+        calibration_file=calibration,
         _planning={"candidates": options, "seed": top.seed, "averaged_viewpoints": averaged_viewpoints},
     )
 

@@ -49,9 +49,10 @@ def welded(
 
 def _with_corners(triangles: NDArray[np.int64], number: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles by new numbers of their vertices, without those that have collapsed."""
-    renumbered = number[triangles]
+    renumbered: NDArray[np.int64] = number[triangles]
     a, b, c = renumbered.T
-    return renumbered[(a != b) & (b != c) & (c != a)]
+    proper: NDArray[np.int64] = renumbered[(a != b) & (b != c) & (c != a)]
+    return proper
 
 
 def _clusters(places: NDArray[np.float64], distance: float) -> NDArray[np.int64]:

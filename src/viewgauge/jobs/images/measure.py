@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import logging
 import os
 import re
@@ -119,6 +120,8 @@ def measure(
     require_edges(edges)
     require_plan_of(read_whole_plan(Path(plan)), inspection)
     planned, progress = read_plan(Path(plan)), progress or Silent()
+    if only := _rendered_only(Path(images)):
+        planned = tuple(p for p in planned if p.characteristic in only)
     poses = {p.viewpoint: p.T_part_camera for p in planned}
     known = _all_seen(inspection, poses)
     measurands = {(p.characteristic, p.viewpoint): _expected(p, inspection) for p in planned}
@@ -194,6 +197,15 @@ def _expected(planned: PlannedMeasurement, inspection: Inspection) -> ExpectedMe
         got=f"a measurand at {np.round(planned.measurand, 3).tolist()} mm",
         expected="a measurand of this part",
     )
+
+
+def _rendered_only(folder: Path) -> frozenset[str]:
+    """The characteristics for which simulated images were rendered; none where whole images are there."""
+    try:
+        only = json.loads((folder / "simulation.json").read_text(encoding="utf-8"))["only"]
+        return frozenset(map(str, only))
+    except (OSError, ValueError, KeyError, TypeError):
+        return frozenset()
 
 
 def _all_seen(

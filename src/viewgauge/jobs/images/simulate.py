@@ -22,6 +22,7 @@ from ...formats.files.images import write_png
 from ...formats.files.spreadsheet_text import to_cell
 from ...geometry import quaternion_from_pose
 from ...measurement.image.measurand_image import measurand_windows
+from ...planning import without_allowed_error
 from ...planning.inspection import ExplicitViewpoints, Inspection
 from ...sensors import Camera, Window
 from ...simulation.displaced_poses import displaced_poses
@@ -69,8 +70,9 @@ def simulate(
     rays_per_pixel
         Of :data:`~viewgauge.simulation.renderer.FIBONACCI`.
     only
-        Ids of characteristics: only what is looked at to measure them is rendered, the rest of the image is black. None
-        for all of it.
+        Ids of characteristics: only what is looked at to measure them is rendered, the rest of the image is black.
+        That includes the edges of all other characteristics, which tell where an image was taken from. None for all of
+        the image.
 
     Returns
     -------
@@ -161,7 +163,9 @@ def _windows(inspection: Inspection, viewpoints: ExplicitViewpoints, only: Seque
     for name in only:
         if name not in known:
             raise InputError("no such characteristic", key="only", got=name, expected=", ".join(known))
-    evaluation = EvaluationJob.of(inspection, [known[name] for name in only], viewpoints)
+    judged, _ = without_allowed_error(inspection.part.characteristics, inspection.requirement)
+    looked_at = {characteristic.id: characteristic for characteristic in (*judged, *(known[name] for name in only))}
+    evaluation = EvaluationJob.of(inspection, list(looked_at.values()), viewpoints)
     return [
         [
             window

@@ -24,6 +24,7 @@ _AS_STRONG = 0.6  # of the strongest edge on a profile: nearer ones are preferre
 _TURNED, _TURNED_BENT = 0.008, 0.06  # of the edge's direction against the expected one, rad
 _AGREE = 0.7  # share of profiles that have to agree with the fit
 _NEAR_PX = 1.0  # to the fit
+_COARSEST_STEP = 1 / 255  # of grey values, share of full scale
 _STRAIGHT, _STRAIGHT_PX = 1.7, 0.05  # of what a fit leaves: times the noise, and by sampling
 _BENDS = 3.5  # standard deviations of a curvature that is no chance
 _ROUNDS, _MOVED_PX = 4, 1.0
@@ -315,11 +316,18 @@ def _slope(grey: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _noise_of(image: NDArray[np.float32]) -> float:
-    """Standard deviation of a pixel, robustly, from second differences (Immerkaer 1996): edges are rare."""
+    """Standard deviation of a pixel, robustly, from second differences (Immerkaer 1996): edges are rare.
+
+    Places where all pixels around are black, clipped or never rendered, tell nothing of it. It is at least the rounding
+    to whole grey values.
+    """
     rows, columns = (slice(1, -1),) * 2
     inner = image[rows, columns]
     mask = (
         image[:-2, :-2] + image[:-2, 2:] + image[2:, :-2] + image[2:, 2:]
         - 2 * (image[:-2, 1:-1] + image[2:, 1:-1] + image[1:-1, :-2] + image[1:-1, 2:]) + 4 * inner
-    )  # fmt: skip
-    return float(1.4826 * np.median(np.abs(mask[::3, ::3])) / 6)
+    )[::3, ::3]  # fmt: skip
+    told = mask[(mask != 0) | (inner[::3, ::3] != 0)]
+    values = np.unique(image[::5, ::5])
+    step = min(float(np.diff(values).min()), _COARSEST_STEP) if len(values) > 1 else 0.0
+    return max(float(1.4826 * np.median(np.abs(told)) / 6) if len(told) else 0.0, step / math.sqrt(12))

@@ -6,12 +6,12 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, TypeAdapter, WithJsonSchema, model_validator
 
-from ...exceptions import InputError
-from ...sensors import Camera, ImageCircle, ImagePolygon, UsableRegion
-from ..files.units import LENGTH, PIXELS, parse_quantity
-from .inspection_text import InspectionText
-from .validation import build, validate
-from .values import Apart, Length, PixelPair, Pixels, Section
+from ....exceptions import InputError
+from ....sensors import Camera, ImageCircle, ImagePolygon, UsableRegion
+from ...files.units import LENGTH, PIXELS, parse_quantity
+from ..inspection_text import InspectionText
+from ..validation import build, validate
+from ..values import Apart, Length, PixelPair, Pixels, Section
 
 __all__ = ["UsableRegionSection", "read_usable_region"]
 

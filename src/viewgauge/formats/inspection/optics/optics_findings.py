@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...findings import Finding
-from ...sensors import Camera
+from ....findings import Finding
+from ....sensors import Camera
 
 __all__ = ["camera_findings"]
 
