@@ -36,7 +36,7 @@ FORMS = {
     "seven.txt": (f"{row(POSITION, Q)}\n", {"quaternion": "xyzw", "unit": "mm"}),
     "rpy.csv": (f"name,x,y,z,roll,pitch,yaw\na,{row(POSITION, TURN.as_euler('xyz', degrees=True))}\n",
                 {"unit": "mm", "angle": "deg"}),
-    "named.csv": (f"x_m,y_m,z_m,orientation.x,orientation.y,orientation.z,orientation.w\n{row(POSITION / 1e3, Q)}\n", {}),
+    "named.csv": (f"x_m,y_m,z_m,orientation.x,orientation.y,orientation.z,qw\n{row(POSITION / 1e3, Q)}\n", {}),
     "blocks.txt": ("\n".join(" ".join(map(repr, map(float, line))) for line in M) + "\n", {"unit": "mm"}),
     "transposed.txt": (f"{row(M.T)}\n", {"unit": "mm"}),
     "kitti.txt": (f"{row(M[:3])}\n".replace(",", " "), {"unit": "mm"}),
