@@ -8,8 +8,8 @@ from collections import defaultdict
 
 import numpy as np
 import pytest
-from cases.version_2 import CASES
 
+from cases.version_2 import CASES
 from viewgauge.cli import main
 
 FOLDER = CASES / "pose_files"

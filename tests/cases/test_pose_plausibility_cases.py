@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from cases.version_2 import CASES
 
+from cases.version_2 import CASES
 from viewgauge.cli import main
 
 FOLDER = CASES / "plausibility"

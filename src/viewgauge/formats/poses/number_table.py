@@ -123,11 +123,13 @@ def _separator(line: str) -> str | None:
 
 
 def _cells(line: str, separator: str | None) -> tuple[str, ...]:
-    line = line.strip().strip("[](){}").strip()
+    line = line.strip()
+    if line[:1] in "[({":  # a row of a printed list
+        line = line.strip("[](){},").strip()
     if separator is None:
         return tuple(line.split())
     row = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
-    cells = [cell.strip().strip("[]") for cell in row]
+    cells = [cell.strip() for cell in row]
     return tuple(cells[:-1] if len(cells) > 1 and not cells[-1] else cells)
 
 

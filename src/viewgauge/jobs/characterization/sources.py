@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -15,6 +15,7 @@ from ...formats.poses.hand_eye.hand_eye_formats import is_hand_eye_file, read_ha
 from ...formats.poses.pose_file import PoseConventions
 from ...formats.poses.pose_samples_file import SampleFile, read_pose_samples
 from ...measurement import PoseSamples
+from ...measurement.pose.board_orientation import oriented
 from ...measurement.pose.hand_eye_findings import hand_eye_findings, likely_in_hand, seen_from_board
 from ...measurement.pose.robot_calibration import calibrate_robot
 from ...measurement.pose.sample_findings import error_findings
@@ -64,8 +65,16 @@ def _of_board(path: Path, in_hand: InHand | None, accept: Collection[str]) -> So
     views, start = found.views, found.intrinsics
     every = list(range(len(views.names)))
     camera = views.fitted(start)
+    if found.target is not None:
+        views = oriented(views, found.target.symmetries, found.target.points_mm, camera)
     boards = views.boards(every, camera)
-    findings = admit(hand_eye_findings(views.T_base_flange, boards, views.in_hand, found.pitch_mm, str(path)), accept)
+    if not found.says_in_hand:
+        carried = likely_in_hand(views.T_base_flange, boards)
+        if carried is None:
+            raise _both_alike(path, "static_camera: false (camera in hand) or true (board in hand)")
+        views = replace(views, in_hand=carried)
+    pitch = None if found.target is None else found.target.pitch_mm
+    findings = admit(hand_eye_findings(views.T_base_flange, boards, views.in_hand, pitch, str(path)), accept)
     camera, robot = views.calibrated(every, given=camera)
     errors = views.held_out([[k] for k in every], start=start)
     kind = f"views of a board, the {views.in_hand} in the robot's hand, each by a calibration without it"
@@ -80,15 +89,15 @@ def _of_pairs(path: Path, in_hand: InHand | None, accept: Collection[str]) -> So
     robot_poses, boards = pairs.T_base_flange, pairs.T_camera_board
     carried = in_hand or pairs.in_hand or likely_in_hand(robot_poses, boards)
     if carried is None:
-        raise InputError(
-            "the file does not say whether the robot carries the camera or the board, and both explain it alike",
-            file=path,
-            key="--in-hand",
-            expected="--in-hand camera (eye in hand) or --in-hand board (eye on base)",
-        )
+        raise _both_alike(path, "--in-hand camera (eye in hand) or --in-hand board (eye on base)")
     findings = admit(hand_eye_findings(robot_poses, boards, carried, None, str(path)), accept)
     M = seen_from_board(boards, carried)
     robot = calibrate_robot(robot_poses, M)
     samples = PoseSamples(robot.errors(robot_poses, M), pairs.names, parameters=_PARAMETERS)
     kind = f"{pairs.format}, the {carried} in the robot's hand, what one calibration leaves of all"
     return Source(SampleFile(samples, kind), None, HandEye(robot, carried == "camera"), findings)
+
+
+def _both_alike(path: Path, expected: str) -> InputError:
+    problem = "the file does not say whether the robot carries the camera or the board, and both explain it alike"
+    return InputError(problem, file=path, expected=expected)

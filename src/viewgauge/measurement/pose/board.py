@@ -1,4 +1,4 @@
-"""A ChArUco calibration board, and its corners in an image (OpenCV, imported here only)."""
+"""Calibration targets, the ChArUco board, and corners in an image (OpenCV, imported here only)."""
 
 from __future__ import annotations
 
@@ -7,14 +7,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import InputError
 
-__all__ = ["Board", "Intrinsics", "board_pose", "find_corners", "fit_intrinsics", "image_size", "robot_world_hand_eye"]
+__all__ = [
+    "Board",
+    "Intrinsics",
+    "Target",
+    "board_pose",
+    "find_corners",
+    "fit_intrinsics",
+    "image_size",
+    "robot_world_hand_eye",
+]
 
 
 def opencv() -> Any:
@@ -26,6 +35,29 @@ def opencv() -> Any:
             "OpenCV is not installed, which reads and writes images", hint='pip install "viewgauge[images]"'
         ) from error
     return cv2
+
+
+class Target(Protocol):
+    """A calibration target."""
+
+    @property
+    def pitch_mm(self) -> float:
+        """Distance of neighbours, for messages."""
+        ...
+
+    @property
+    def points_mm(self) -> NDArray[np.float64]:
+        """``(k, 3)``: points by their id, frame of the target, z = 0."""
+        ...
+
+    @property
+    def symmetries(self) -> tuple[NDArray[np.int64], ...]:
+        """For each turn that cannot be told from none in an image, the id that each point takes."""
+        ...
+
+    def find(self, grey: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Ids ``(n,)`` and places ``(n, 2)`` px of its points in a grey image."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -47,6 +79,20 @@ class Board:
     square_mm: float
     marker_mm: float
     dictionary: str | int
+
+    symmetries = ()
+
+    @property
+    def pitch_mm(self) -> float:
+        """Of its corners."""
+        return self.square_mm
+
+    def find(self, grey: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Ids and places px of the corners that are seen."""
+        places, ids, _, _ = opencv().aruco.CharucoDetector(self._made).detectBoard(grey)
+        if ids is None:
+            return np.zeros(0, np.int64), np.zeros((0, 2))
+        return ids.ravel().astype(np.int64), places.reshape(-1, 2).astype(float)
 
     @cached_property
     def points_mm(self) -> NDArray[np.float64]:
@@ -71,7 +117,7 @@ class Board:
             ) from error
 
 
-def find_corners(image: str | os.PathLike[str], board: Board) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def find_corners(image: str | os.PathLike[str], board: Target) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Ids ``(n,)`` and places ``(n, 2)`` px (0 = centre of the first pixel) of a board's corners in an image.
 
     Raises
@@ -85,10 +131,7 @@ def find_corners(image: str | os.PathLike[str], board: Board) -> tuple[NDArray[n
     grey = cv2.imread(os.fspath(image), cv2.IMREAD_GRAYSCALE)
     if grey is None:
         raise InputError("the image cannot be read", file=image, expected="PNG, JPEG, TIFF or BMP")
-    places, ids, _, _ = cv2.aruco.CharucoDetector(board._made).detectBoard(grey)
-    if ids is None:
-        return np.zeros(0, np.int64), np.zeros((0, 2))
-    return ids.ravel().astype(np.int64), places.reshape(-1, 2).astype(float)
+    return board.find(grey)
 
 
 def image_size(image: str | os.PathLike[str]) -> tuple[int, int]:

@@ -19,7 +19,8 @@ __all__ = ["hand_eye_findings", "likely_in_hand", "scale_by_travel", "seen_from_
 _RADIUS_MM = 300.0
 _BETTER = 5.0  # times smaller errors are what another reading must give
 _DOUBTFUL = 0.01  # median error of which other readings are tried, of _RADIUS_MM and rad
-_LEAST_SCALE, _SURE = 0.01, 5.0  # share; standard uncertainties
+_LEAST_SCALE, _MOST_SCALE, _SURE = 0.01, 0.1, 5.0
+"""Share from which on the scale is named, and from which on refused; standard uncertainties that it must be off by."""
 _FEWEST = 5
 _FEWEST_DEG = 3.0
 
@@ -78,7 +79,7 @@ def hand_eye_findings(
         cause = "the stated size of the board"
         if max(scale, 1 / scale) > 500:
             cause = "metres and millimetres: the robot's positions or the board's lengths are in another unit"
-        yield Finding("board_scale", found, usual, cause, where, refused=True)
+        yield Finding("board_scale", found, usual, cause, where, refused=abs(scale - 1) > _MOST_SCALE)
 
 
 def likely_in_hand(T_base_flange: Poses, T_camera_board: Poses) -> InHand | None:

@@ -18,7 +18,7 @@ _RADIUS_MM = 300.0
 """A turn of one rad counts as much as this shift."""
 
 _LEAST_TRAVEL_MM = 5.0
-_LEAST_MM, _MOST_MM, _MOST_MEAN_MM = 5e-4, 10.0, 50.0
+_LEAST_MM, _MOST_MM, _REFUSED_MM, _MOST_MEAN_MM = 5e-4, 10.0, 30.0, 50.0
 _MOST_RAD, _MOST_MEAN_RAD = np.radians(3.0), np.radians(10.0)
 _NEAREST_MM, _FARTHEST_MM = 10.0, 4000.0  # of the ratio of the two deviations
 _FAR = 20.0  # times the median error
@@ -67,7 +67,8 @@ def error_findings(errors: NDArray[np.float64], names: Sequence[str], where: str
             "m under the names of mm" if shift < _LEAST_MM else "um under the names of mm, or poses that do not match"
         )
         found = f"the standard deviation of the position is {shift:.3g} mm"
-        yield Finding("pose_translation", found, "1 um to 10 mm", cause, where, refused=True)
+        refused = not _LEAST_MM < shift < _REFUSED_MM
+        yield Finding("pose_translation", found, "1 um to 10 mm", cause, where, refused=refused)
     if turn > _MOST_RAD:
         found = f"the standard deviation of the orientation is {np.degrees(turn):.3g} deg"
         cause = "deg under the names of rad, or poses that do not match"

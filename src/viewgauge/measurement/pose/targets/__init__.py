@@ -1,0 +1,1 @@
+"""Calibration targets beside the ChArUco board: how each is found in an image."""
