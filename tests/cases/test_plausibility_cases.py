@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -199,3 +200,13 @@ def test_shared_cases(name, tmp_path, capsys):
     err = capsys.readouterr().err
     assert err.startswith("viewgauge: ")
     assert telling in err
+
+
+def test_every_finding_is_named_on_the_page_and_in_the_table():
+    root = Path(__file__).resolve().parents[2]
+    page = (root / "docs" / "howto" / "findings.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| `(\w+)` \|", page, flags=re.M)) == NAMES.keys()
+    made = set()
+    for file in (root / "src").rglob("*.py"):
+        made |= set(re.findall(r"\b(?:Finding|UsualRange)\(\s*\"(\w+)\"", file.read_text(encoding="utf-8")))
+    assert made <= NAMES.keys()
