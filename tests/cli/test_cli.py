@@ -259,7 +259,7 @@ def test_a_plan_beyond_small_errors_is_warned_of_and_confirmed(capsys):
         ({"requirement": "{accuracy: 0.99, probability: 2}"}, "14:requirement.probability", "2"),
         ({"candidates": "{distance: '[600, 300] mm'}"}, "15:candidates.distance", "the nearer distance comes first"),
         ({"candidates": "{viewpoints: none.csv}"}, "", "none.csv"),
-        ({"bogus": "1"}, "16:bogus", "unknown"),
+        ({"bogus": "1"}, "17:bogus", "unknown"),
         (
             {"part": BOX["part"].replace("[80, 0, 40]]", "[80, 0, 4000]]")},
             "4:part.characteristics",

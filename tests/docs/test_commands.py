@@ -22,7 +22,17 @@ PAGES = [
     *sorted(DOCS.rglob("*.md")),
     *sorted(ROOT.glob("examples/*/*.md")),
 ]
-SECTIONS = {"part", "camera", "pose_uncertainty", "requirement", "candidates", "observation", "averaging", "seed"}
+SECTIONS = {
+    "part",
+    "camera",
+    "pose_uncertainty",
+    "requirement",
+    "candidates",
+    "observation",
+    "averaging",
+    "accept",
+    "seed",
+}
 
 # a camchain of Kalibr, which has a camera of the name that docs/howto/camera.md asks for
 CAMCHAIN = """cam0:

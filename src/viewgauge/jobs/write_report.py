@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..execution.chunks import EvaluationJob, evaluator_of
 from ..planning import Plan
 from ..planning.inspection import ExplicitViewpoints, Inspection
@@ -23,9 +25,10 @@ def plan_report(plan: Plan, inspection: Inspection, details: PlanDetails | None 
     details
         Of the plan, where they are known already.
     """
+    warnings = [f"warning: {finding}" for finding in inspection.findings]
     return render_report(
         plan,
-        inspection.part,
+        replace(inspection.part, notes=(*inspection.part.notes, *warnings)),
         inspection.camera,
         inspection.requirement,
         title=inspection.name,

@@ -106,7 +106,9 @@ def move_into_place(made: Path, target: Path) -> None:
 
 def exchange(one: Path, other: Path) -> bool:
     """Let two folders change places in one step of the file system; False where the system cannot."""
-    library = ctypes.CDLL(None, use_errno=True) if os.name == "posix" else None
+    if os.name != "posix":
+        return False
+    library = ctypes.CDLL(None, use_errno=True)
     places = os.fsencode(one), os.fsencode(other)
     if sys.platform == "linux" and library is not None and hasattr(library, "renameat2"):
         return bool(library.renameat2(_HERE, places[0], _HERE, places[1], _EXCHANGE) == 0)

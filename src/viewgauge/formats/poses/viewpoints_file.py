@@ -150,7 +150,7 @@ def _numbers(path: str | os.PathLike[str], line: int, cells: list[str]) -> list[
     """The numbers of a row, position and quaternion; all finite."""
     try:
         numbers = list(map(float, cells))
-        if max(map(abs, numbers)) <= _MOST:
+        if all(abs(number) <= _MOST for number in numbers):  # not so for NaN
             return numbers
     except ValueError:
         pass

@@ -210,10 +210,12 @@ def _mend(table: Path, made: Path) -> None:
 
 
 def _digests(table: Path, layout: TableLayout, chunk: int) -> dict[str, str]:
-    """A digest of the file of each column of a chunk."""
+    """A digest of the file of each column of a chunk that has one: a table without characteristics has none."""
+    files = {column.name: table / column.name / f"{chunk}.0" for column in layout.columns}
     return {
-        column.name: hashlib.blake2b((table / column.name / f"{chunk}.0").read_bytes(), digest_size=16).hexdigest()
-        for column in layout.columns
+        name: hashlib.blake2b(file.read_bytes(), digest_size=16).hexdigest()
+        for name, file in files.items()
+        if file.exists()
     }
 
 
