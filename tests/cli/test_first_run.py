@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from viewgauge.cli.first_run import LINE
+from viewgauge.cli.terminal.first_run import LINE
 
 CAMERA = """cam0:
   camera_model: pinhole

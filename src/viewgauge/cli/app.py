@@ -23,16 +23,16 @@ from .camera import camera
 from .characterize import characterize
 from .convert import convert
 from .features import features
-from .first_run import report_compiling
 from .images import measure, simulate, validate
 from .improve import improve, specify
 from .options import DONE, NOT_MET, Chunk, Json, PartFile, Scheduler, Seed, Workers
-from .output import print_check, print_error, print_json, print_plan, print_table_summary
 from .plot import plot
-from .progress import Bars
-from .reading import read_inspection
 from .schema import schema
-from .terminal import OutputError, discard_output, open_standard_streams, plain_output
+from .terminal.first_run import report_compiling
+from .terminal.output import print_check, print_error, print_json, print_plan, print_table_summary
+from .terminal.progress import Bars
+from .terminal.reading import read_inspection
+from .terminal.streams import OutputError, discard_output, open_standard_streams, plain_output
 from .workbench import workbench
 
 __all__ = ["main"]

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .options import DONE, Json
-from .output import print_json
+from .terminal.output import print_json
 
 __all__ = ["camera"]
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .options import DONE, Json
-from .output import print_json
-from .progress import Bars
+from .terminal.output import print_json
+from .terminal.progress import Bars
 
 __all__ = ["features"]
 

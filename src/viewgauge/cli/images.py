@@ -14,9 +14,9 @@ from cyclopts import Parameter
 import viewgauge as vg
 
 from .options import DONE, NOT_MET, Json, PartFile, Seed, Workers, count, whole_number
-from .output import print_json
-from .progress import Bars
-from .reading import print_findings, read_inspection
+from .terminal.output import print_json
+from .terminal.progress import Bars
+from .terminal.reading import read_inspection, read_to_render
 
 __all__ = ["measure", "simulate", "validate"]
 
@@ -68,14 +68,11 @@ def simulate(
     chord_error
         Keep the mesh within this distance of curved faces, mm; by default a twentieth of the smallest allowed error.
     """
-    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.write import output_folder
 
     bars = Bars()
     with output_folder(output, alone=True):
-        with bars.stage("Reading the inspection and its part"):
-            inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
-        print_findings(inspection.findings)
+        inspection = read_to_render(file, part, chord_error)
         sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits, black_and_white=black_and_white)
         images = vg.simulate(
             inspection,
@@ -187,13 +184,10 @@ def validate(
     output
         Write all pairs of viewpoints and characteristics to this file (CSV).
     """
-    from ..jobs.images.load_to_render import load_to_render
     from ..jobs.images.validation_tables import describe_validation, write_validation
 
     bars = Bars()
-    with bars.stage("Reading the inspection and its part"):
-        inspection = load_to_render(file, part=part, chord_error_mm=chord_error)
-    print_findings(inspection.findings)
+    inspection = read_to_render(file, part, chord_error)
     sensor = vg.ImageSensor(blur_px=blur, noise=noise, bits=bits)
     with vg.open_executor(None, workers) as executor:
         found = vg.validate(

@@ -13,9 +13,9 @@ from cyclopts import Parameter
 import viewgauge as vg
 
 from .options import DONE, NOT_MET, Json, PartFile
-from .output import certainty, print_json
-from .progress import Bars
-from .reading import read_inspection
+from .terminal.output import certainty, print_json
+from .terminal.progress import Bars
+from .terminal.reading import read_inspection
 
 __all__ = ["improve", "specify"]
 

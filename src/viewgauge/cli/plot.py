@@ -10,8 +10,8 @@ from cyclopts import Parameter
 import viewgauge as vg
 
 from .options import DONE, PartFile
-from .progress import Bars
-from .reading import read_inspection
+from .terminal.progress import Bars
+from .terminal.reading import read_inspection
 
 __all__ = ["plot"]
 

@@ -17,7 +17,7 @@ import viewgauge as vg
 
 from ..exceptions import InputError
 from .options import DONE, PartFile, whole_number
-from .reading import read_inspection
+from .terminal.reading import read_inspection
 
 __all__ = ["workbench"]
 

@@ -12,10 +12,10 @@ import viewgauge as vg
 from .progress import Bars
 
 if TYPE_CHECKING:
-    from ..findings import Finding
-    from ..planning.inspection import Inspection
+    from ...findings import Finding
+    from ...planning.inspection import Inspection
 
-__all__ = ["print_findings", "read_inspection"]
+__all__ = ["print_findings", "read_inspection", "read_to_render"]
 
 
 def read_inspection(
@@ -31,6 +31,16 @@ def read_inspection(
         inspection = vg.load(
             file, part=part, chord_error_mm=chord_error_mm, meanwhile=meanwhile, may_be_empty=may_be_empty
         )
+    print_findings(inspection.findings)
+    return inspection
+
+
+def read_to_render(file: Path, part: Path | None, chord_error_mm: float | None) -> Inspection:
+    """The inspection with a mesh as fine as images of the part need; its findings are shown on standard error."""
+    from ...jobs.images.load_to_render import load_to_render
+
+    with Bars().stage("Reading the inspection and its part"):
+        inspection = load_to_render(file, part=part, chord_error_mm=chord_error_mm)
     print_findings(inspection.findings)
     return inspection
 

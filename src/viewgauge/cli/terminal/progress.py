@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from .terminal import terminal_of
+from .streams import terminal_of
 
 __all__ = ["Bars"]
 
