@@ -168,7 +168,8 @@ def _with_entries(part: Part, file: InspectionFile, *, may_be_empty: bool) -> Pa
             if characteristic.tolerance_mm is None:
                 characteristics[name] = _with_tolerance(characteristic, file.general_tolerance_mm)
     if not characteristics and not not_measurable:
-        if not may_be_empty or part.solids is None:
+        drawn = any(finding.name == "graphical_pmi" for finding in part.findings)
+        if not may_be_empty or part.solids is None or drawn:
             raise InspectionFileError(
                 "there is no characteristic to measure: the part brings none, and the file gives none",
                 file=file.path,

@@ -37,7 +37,7 @@ from ...part.brep import Brep, Edge, Face, Reference
 from ...part.mesh import Mesh
 from ..mesh.watertight import is_watertight
 from .curve_points import arc_parameters, circle_through, is_straight, refined_parameters
-from .pmi import count_toleranced, pmi_findings, pmi_notes, pmi_sources, to_pmi_records
+from .pmi import count_toleranced, drawn_annotations, pmi_findings, pmi_notes, pmi_sources, to_pmi_records
 from .source.coordinates import LARGEST_PART_MM, refuse_far_points
 from .source.external_files import external_files, refuse_without_geometry
 from .source.step_source import read_source
@@ -137,7 +137,7 @@ def read_part(path: Path, *, chord_error_mm: float | None, with_pmi: bool, folde
         pmi_records=pmi_records,
         plus_minus_count=len(text.numbers("PLUS_MINUS_TOLERANCE")),
         pmi_counts=counts,
-        findings=pmi_findings(pmi_records, counts, faces),
+        findings=pmi_findings(pmi_records, counts, faces, drawn_annotations(text)),
     )
 
 

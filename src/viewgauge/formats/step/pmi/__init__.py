@@ -7,7 +7,7 @@ from .dimensions import Dimension, DimensionReader
 from .geometric_tolerances import GeometricToleranceReader
 from .pmi_counts import count_toleranced
 from .pmi_findings import pmi_findings
-from .pmi_notes import pmi_notes
+from .pmi_notes import drawn_annotations, pmi_notes
 from .pmi_records import PmiSource, named_apart, to_pmi_records
 from .pmi_sources import pmi_sources
 
@@ -17,6 +17,7 @@ __all__ = [
     "GeometricToleranceReader",
     "PmiSource",
     "count_toleranced",
+    "drawn_annotations",
     "named_apart",
     "pmi_findings",
     "pmi_notes",

@@ -17,7 +17,7 @@ _AT_ITS_LIMIT = ("maximum material", "least material")  # a zone of 0 at the lim
 
 
 def pmi_findings(
-    pmi_records: Sequence[PmiRecord], counts: Mapping[str, int], faces: Sequence[Face]
+    pmi_records: Sequence[PmiRecord], counts: Mapping[str, int], faces: Sequence[Face], drawn: int
 ) -> tuple[Finding, ...]:
     """Tolerance zones without a width, angles that the part does not have, and counts that differ from the text's.
 
@@ -29,7 +29,18 @@ def pmi_findings(
         Toleranced records by kind, as counted in the text.
     faces
         The faces of the part.
+    drawn
+        Number of annotations of the graphical PMI.
     """
+    if drawn and not pmi_records:
+        return (
+            Finding(
+                "graphical_pmi",
+                f"the file has graphical PMI ({drawn} annotations, drawn lines) but no semantic PMI: what the drawing "
+                "demands cannot be read",
+                cause="the file was exported with drawn PMI only; export it as AP242 with semantic PMI",
+            ),
+        )
     found = [finding for record in pmi_records if (finding := _without_width(record)) is not None]
     found += [finding for record in pmi_records if (finding := _other_angle(record, faces)) is not None]
     read = Counter(record.kind for record in pmi_records if record.indication.toleranced)

@@ -11,7 +11,7 @@ from .datum_systems import DatumSystems
 from .dimension_values import DimensionValues
 from .shape_aspects import LOCATIONS, SIZES
 
-__all__ = ["pmi_notes"]
+__all__ = ["drawn_annotations", "pmi_notes"]
 
 _GRAPHICAL = (
     "ANNOTATION_OCCURRENCE",
@@ -30,6 +30,11 @@ _GENERAL = re.compile(
 )
 
 
+def drawn_annotations(text: StepText) -> int:
+    """Number of annotations of the file's graphical PMI, which are drawn lines without meaning."""
+    return len(text.numbers(*_GRAPHICAL))
+
+
 def pmi_notes(text: StepText, pmi_records: Sequence[PmiRecord]) -> list[str]:
     """One sentence for each thing that the characteristics do not say.
 
@@ -42,7 +47,7 @@ def pmi_notes(text: StepText, pmi_records: Sequence[PmiRecord]) -> list[str]:
     """
     notes = _of_dimensions(text, [record for record in pmi_records if record.indication.zone_mm is None])
     if not pmi_records:
-        drawn = len(text.numbers(*_GRAPHICAL))
+        drawn = drawn_annotations(text)
         notes = ["The file has no semantic PMI: geometry only."]
         if drawn:
             notes = [
