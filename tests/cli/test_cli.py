@@ -346,7 +346,8 @@ def test_bad_part_files(capsys, name, content, telling):
 )
 def test_a_step_file_that_crashes_or_hangs_the_reader(capsys, monkeypatch, code, telling):
     monkeypatch.setattr(step_process, "_CHILD", (sys.executable, "-c", code))
-    monkeypatch.setattr(step_process, "_TIMEOUT_S", 2.0)
+    monkeypatch.setattr(step_process, "_LEAST_TIMEOUT_S", 2.0)
+    monkeypatch.setattr(step_process, "_TIMEOUT_S_PER_MB", 0.0)
     Path("bad.step").write_text("ISO-10303-21;HEADER;ENDSEC;DATA;ENDSEC;END-ISO-10303-21;\n")
     err = refused(capsys, "plan", "inspection.yaml", "-o", "out", "--part", "bad.step")
     assert "bad.step" in err

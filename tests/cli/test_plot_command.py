@@ -72,7 +72,7 @@ def test_mistakes_are_reported(capsys, arguments, reported):
 
 def test_the_plan_of_another_inspection_is_refused(capsys):
     write(part=box_part(entry("other", "[0, 0, 40]", "[80, 0, 40]")))
-    assert "of another part" in refused(capsys, "plot", "inspection.yaml", "plan", "-o", "out.html")
+    assert "the plan was made from other files" in refused(capsys, "plot", "inspection.yaml", "plan", "-o", "out.html")
 
 
 def test_a_folder_without_a_plan_is_refused(capsys):

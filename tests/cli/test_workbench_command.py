@@ -35,7 +35,7 @@ def test_the_plan_of_another_inspection_is_reported(capsys):
     assert main(["plan", "inspection.yaml", "-o", "plan", "--no-refine", "--no-prove"]) == 0
     capsys.readouterr()
     write(part=box_part(entry("other", "[0, 0, 40]", "[80, 0, 40]")))
-    assert "of another part" in refused(capsys, "workbench", "inspection.yaml", "--plan", "plan")
+    assert "the plan was made from other files" in refused(capsys, "workbench", "inspection.yaml", "--plan", "plan")
 
 
 def test_a_port_that_is_taken_is_reported(capsys):

@@ -209,7 +209,7 @@ def _check(file: Path, /, *, part: PartFile = None, json: Json = False) -> int:
         print_json(document)
     else:
         print_check(document)
-    return NOT_MET if document["not_measurable"] or not document["characteristics"] else DONE
+    return NOT_MET if document["not_measurable"] else DONE
 
 
 app.command(improve, name="improve")

@@ -144,13 +144,14 @@ def _with_entries(part: Part, file: InspectionFile, *, may_be_empty: bool) -> Pa
             if entry.id in characteristics or entry.id in not_measurable:
                 what = "two points replace" if entry.stated is None else "features replace"
                 notes.append(f"characteristic {entry.id}: the inspection file's {what} the part's PMI")
-            replaced = characteristics.pop(entry.id, None) or not_measurable.pop(entry.id, None)
+            replaced = characteristics.get(entry.id) or not_measurable.pop(entry.id, None)
             own = _own_characteristic(entry, part, file) if entry.stated is None else features.characteristic(entry)
             if replaced is not None:
                 own = replace(own, indication=replaced.indication)
             if isinstance(own, Characteristic):
                 characteristics[entry.id] = own
             else:
+                characteristics.pop(entry.id, None)
                 not_measurable[entry.id] = own
         elif changed := [name for name in characteristics if name == entry.id or name.startswith(f"{entry.id}/")]:
             characteristics |= {name: _changed(characteristics[name], entry) for name in changed}

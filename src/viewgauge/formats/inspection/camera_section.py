@@ -288,7 +288,8 @@ def read_camera(text: InspectionText) -> Camera | None:
         file = text.read_beside(read_camera_file, calibrated.calibration, (*where, "calibration"), beside)
         if file is None:
             return None
-        text.findings.extend(file.findings)
+        # that the lens turns back is said below, with the field that is left
+        text.findings.extend(finding for finding in file.findings if finding.name != "lens_turns_back")
         make = partial(calibrated.build, file)
     else:
         section = validate(CameraSection, value, where, problems)

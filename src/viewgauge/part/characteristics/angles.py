@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import acos, degrees, isnan, pi
+from math import degrees
 
-from ..brep import Face, PmiRecord, Reference
+from ..brep import PmiRecord
+from ..face_angles import disagreeing_angle
 from ..features.feature_groups import feature_groups
 from ..features.outline import Outline
 from .outcome import NotDerived, Outcome
 
-__all__ = ["angle_between_planes", "derive_angle", "disagreeing_angle"]
-
-_AGREEMENT_RAD = 1e-3  # without a tolerance, the file's value may be rounded by this much
+__all__ = ["derive_angle"]
 
 
 def derive_angle(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
@@ -23,28 +21,3 @@ def derive_angle(outline: Outline, pmi_record: PmiRecord) -> list[Outcome]:
         reason += f"; the file says {degrees(pmi_record.nominal_mm):.6g} deg, its faces {degrees(between):.6g} deg"
     features = max(len(feature_groups(outline, side)) for side in (pmi_record.first, pmi_record.second))
     return [NotDerived(reason)] * max(features, 1)
-
-
-def disagreeing_angle(pmi_record: PmiRecord, faces: Sequence[Face]) -> float | None:
-    """The angle between the planes that an angle refers to, rad, where the nominal value is another; else None.
-
-    The supplement and the full turn's rest count as the same angle.
-    """
-    between = angle_between_planes(pmi_record.first, pmi_record.second, faces)
-    nominal = pmi_record.nominal_mm
-    if between is None or isnan(nominal):
-        return None
-    limit = max((abs(deviation) for deviation in pmi_record.tolerance_mm or ()), default=0.0)
-    same = min(abs(nominal - angle) for angle in (between, pi - between, pi + between, 2 * pi - between))
-    return between if same > max(min(limit, 0.1), _AGREEMENT_RAD) else None
-
-
-def angle_between_planes(
-    first: Sequence[Reference], second: Sequence[Reference], faces: Sequence[Face]
-) -> float | None:
-    """The smaller angle between two planes, rad, from 0 to pi / 2; None where a side is no single plane."""
-    planes = [[faces[r.index] for r in side if r.kind == "face"] for side in (first, second)]
-    if any(not side or len({face.kind for face in side} | {"plane"}) > 1 for side in planes):
-        return None
-    cosines = {round(abs(float(a.axis @ b.axis)), 9) for a in planes[0] for b in planes[1]}
-    return acos(min(cosines.pop(), 1.0)) if len(cosines) == 1 else None

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from ....findings import Finding
 from ....part.brep import Face, PmiRecord
-from ....part.characteristics.angles import disagreeing_angle
+from ....part.face_angles import disagreeing_angle
 
 __all__ = ["pmi_findings"]
 
