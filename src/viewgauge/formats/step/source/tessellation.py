@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ....exceptions import PartFileError
 from ....part.brep import Brep
 from ....part.mesh import Mesh
-from ...mesh.orientation import oriented_outward
 from ...mesh.watertight import is_watertight
 from ..step_text import Record, Ref, StepText
 from .coordinates import LARGEST_MM
@@ -105,6 +104,8 @@ def tessellated_brep(text: StepText, name: str, factor: float, unit: str) -> Bre
         raise PartFileError(f"{_ONLY}, and no triangle of it has an area", expected="a solid part", hint=_INSTEAD)
     notes = ["The file holds only tessellated geometry (triangles, no surfaces): it is used as a mesh."]
     if is_watertight(triangles):
+        from ...mesh.orientation import oriented_outward  # late: it loads SciPy, which other STEP files do not need
+
         triangles = oriented_outward(vertices, triangles)
     else:
         notes.append("The mesh is not watertight: the part's surface has gaps.")
