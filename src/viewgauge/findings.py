@@ -46,6 +46,7 @@ NAMES: dict[str, str] = {
     "margin": "the margin leaves nothing of the image",
     "minimum_length": "no image of a measurand is as long as is asked for",
     "no_distortion": "the file says nothing of distortion",
+    "not_calibrated": "a calibration states no uncertainty",
     "nothing_fits": "characteristics are far larger or smaller than the field of view",
     "out_of_focus": "nothing is in focus at the distances of the candidates",
     "part_size": "the part is smaller or larger than parts that are measured by images",

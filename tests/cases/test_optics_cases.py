@@ -75,7 +75,7 @@ def test_a_shared_lens_is_used_as_far_as_it_holds(tmp_path, name, radius):
     path.write_text(path.read_text().replace("opencv.yaml", name))
     text = read_inspection_text(path)
     camera = read_inspection_file(text).setup.camera
-    assert [finding.name for finding in text.findings] == ["field_limited"]
+    assert [finding.name for finding in text.findings] == ["field_limited", "not_calibrated"]
     assert camera.field_radius_px == pytest.approx(radius, abs=1)
 
 

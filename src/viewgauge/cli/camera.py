@@ -79,5 +79,6 @@ def _print_calibration(document: dict[str, Any]) -> None:
     for note in document["notes"]:
         print(f"  {note}")
     print(
-        "  standard uncertainties: " + ("after the ±" if uncertainty else "not stated; the calibration counts as exact")
+        "  standard uncertainties: "
+        + ("after the ±" if uncertainty else "not stated, so not calibrated")
     )

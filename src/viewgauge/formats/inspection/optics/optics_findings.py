@@ -29,6 +29,15 @@ def camera_findings(camera: Camera, section: Mapping[str, object]) -> Iterator[F
             else "the calibration's points did not reach the corners",
             where="camera",
         )
+    if "calibration" in section and camera.intrinsics_covariance is None:
+        yield Finding(
+            "not_calibrated",
+            "the calibration states no uncertainty, so that the camera counts as not calibrated: errors of its "
+            "intrinsics are in no probability",
+            usual="the standard uncertainties that calibration programs print; state them in "
+            "camera.calibration_uncertainty, or calibrate with viewgauge characterize --camera",
+            where="camera.calibration",
+        )
     if section.get("shutter") == "rolling":
         yield Finding(
             "rolling_shutter",
