@@ -2,11 +2,13 @@
 
 import errno
 import os
+import subprocess
+import sys
 
 import pytest
 
 from viewgauge.exceptions import InputError
-from viewgauge.formats.files.atomic import atomic_path, write_text_atomically
+from viewgauge.formats.files.atomic import atomic_path, replaced_in_one_step, write_text_atomically
 
 
 def test_writes_text_as_it_stands(tmp_path):
@@ -107,3 +109,50 @@ def test_a_folder_without_permission(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.mkdtemp", refuse)  # the superuser, who runs many a CI, may write anywhere
     with pytest.raises(InputError, match="may write"):
         write_text_atomically(tmp_path / "a", "x")
+
+
+def test_a_folder_is_replaced_in_one_step_and_keeps_what_else_is_in_it(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "a.txt").write_text("old")
+    (folder / "mine.txt").write_text("of the user")
+    with replaced_in_one_step(folder) as made:
+        (made / "b.txt").write_text("new")
+        write_text_atomically(made / "a.txt", "new")
+        assert (folder / "a.txt").read_text() == "old"
+        assert not (folder / "b.txt").exists()
+    assert {file.name: file.read_text() for file in folder.iterdir()} == {
+        "a.txt": "new",
+        "b.txt": "new",
+        "mine.txt": "of the user",
+    }
+    assert [place.name for place in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_folder_is_as_it_was_if_the_block_fails(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "a.txt").write_text("old")
+
+    def half_way():
+        with replaced_in_one_step(folder) as made:
+            write_text_atomically(made / "a.txt", "new")
+            raise ValueError("half way")
+
+    with pytest.raises(ValueError, match="half way"):
+        half_way()
+    assert (folder / "a.txt").read_text() == "old"
+    assert [place.name for place in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes are looked up as POSIX has them")
+def test_what_a_killed_process_left_is_taken_away_and_what_a_running_one_has_is_not(tmp_path):
+    """A folder is made by a process that is killed, and another by one that runs: this one's parent."""
+    code = "from pathlib import Path\nfrom viewgauge.formats.files.scratch import make_scratch\n"
+    code += f"make_scratch(Path({str(tmp_path)!r}))"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    (left,) = tmp_path.iterdir()
+    running = tmp_path / left.name.replace(left.name.split("-")[2], str(os.getppid()))
+    running.mkdir()
+    write_text_atomically(tmp_path / "a.txt", "new")
+    assert {place.name for place in tmp_path.iterdir()} == {"a.txt", running.name}

@@ -78,7 +78,4 @@ def _print_calibration(document: dict[str, Any]) -> None:
             print(f"  {name}  {value:.6g}{f' ± {uncertainty[name]:.2g}' if uncertainty else ''}")
     for note in document["notes"]:
         print(f"  {note}")
-    print(
-        "  standard uncertainties: "
-        + ("after the ±" if uncertainty else "not stated, so not calibrated")
-    )
+    print("  standard uncertainties: " + ("after the ±" if uncertainty else "not stated, so not calibrated"))

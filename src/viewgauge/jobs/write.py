@@ -153,18 +153,20 @@ def _claimed(folder: Path) -> Iterator[None]:
 
 
 def write_plan(plan: Plan, inspection: Inspection, folder: str | PathLike[str]) -> None:
-    """Write ``plan.json, viewpoints.csv, assignments.csv, report.html`` into a folder, each whole or not at all."""
-    from ..formats.files.atomic import write_text_atomically
+    """Write ``plan.json, viewpoints.csv, assignments.csv, report.html`` into a folder: all of them or none."""
+    from ..formats.files.atomic import replaced_in_one_step, write_text_atomically
     from ..formats.plan.plan_files import plan_document, write_plan_files
     from .write_report import plan_details, plan_report
 
     place = make_folder(folder)
     details = plan_details(plan, inspection)
-    write_text_atomically(place / "report.html", plan_report(plan, inspection, details))
+    report = plan_report(plan, inspection, details)
     document = plan_document(
         plan, inspection.requirement, inspection.inputs, details.budgets, details.figures, inspection.findings
     )
-    write_plan_files(plan, document, place)
+    with replaced_in_one_step(place) as made:
+        write_text_atomically(made / "report.html", report)
+        write_plan_files(plan, document, made)
 
 
 def write_evaluation(table: xr.Dataset, path: str | PathLike[str]) -> None:

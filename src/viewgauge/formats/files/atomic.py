@@ -7,14 +7,14 @@ import errno
 import os
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ...exceptions import InputError
+from .scratch import make_scratch
 
-__all__ = ["atomic_path", "move_into_place", "write_text_atomically", "writing_in"]
+__all__ = ["atomic_path", "move_into_place", "replaced_in_one_step", "write_text_atomically", "writing_in"]
 
 _HERE, _EXCHANGE = -100, 2  # AT_FDCWD; RENAME_EXCHANGE of Linux, RENAME_SWAP of macOS
 _STORAGE_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
@@ -38,7 +38,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         return
     target = Path(os.path.realpath(path))
     try:
-        workplace = Path(tempfile.mkdtemp(prefix=".viewgauge-", dir=target.parent))
+        workplace = make_scratch(target.parent)
     except OSError as error:
         raise _cannot_write(path, error) from error
     try:
@@ -48,6 +48,39 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         if error.errno in _STORAGE_ERRORS:
             raise _cannot_write(path, error) from error
         raise
+    finally:
+        shutil.rmtree(workplace, ignore_errors=True)
+
+
+@contextmanager
+def replaced_in_one_step(folder: Path) -> Iterator[Path]:
+    """A copy of an existing folder to write to; when the block ends well, it takes the folder's place in one step.
+
+    Whoever looks, or kills the process, meets the old files or the new ones and no mixture. Files that the block does
+    not write stay as they are: the copy shares them. Where the system cannot do so, the folder itself is given.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written to.
+    """
+    target = Path(os.path.realpath(folder))
+    try:
+        workplace = make_scratch(target.parent)
+    except OSError:  # nothing may be written beside the folder
+        yield folder
+        return
+    try:
+        copy = workplace / target.name
+        try:
+            shutil.copytree(target, copy, symlinks=True, copy_function=os.link)
+        except OSError:  # no links here (shutil.Error too), or a file that nobody may read
+            yield folder
+            return
+        yield copy
+        if not exchange(copy, target):
+            for made in sorted(copy.iterdir()):
+                os.replace(made, target / made.name)
     finally:
         shutil.rmtree(workplace, ignore_errors=True)
 

@@ -9,6 +9,7 @@ import logging
 import os
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from ...exceptions import InputError
 from ...execution.chunks import EvaluationJob, evaluator_of
 from ...execution.progress import Progress, Silent
-from ...formats.files.atomic import write_text_atomically
+from ...formats.files.atomic import replaced_in_one_step, write_text_atomically
 from ...formats.files.images import image_size, read_grey, write_overlay
 from ...formats.files.spreadsheet_text import to_cell
 from ...formats.plan.plan_reader import PlannedMeasurement, read_plan, read_whole_plan
@@ -132,31 +133,33 @@ def measure(
             measurands.update(zip(keys, sure, strict=False))
             known[viewpoint] = sure[len(keys) :]
     files = _images(Path(images), sorted({p.viewpoint for p in planned}))
-    place = None if output is None else make_folder(output)
     found: list[Measured] = []
-    with progress.stage(f"Measuring in {len(files)} images", len(files)) as advance:
-        for file, viewpoint in files:
-            mine = [p for p in planned if p.viewpoint == viewpoint]
-            why = _other_size(file, inspection)
-            if why:
-                _log.warning("%s: %s", file, why)
-                found += [_judged(file.name, p, None, why, inspection, edges) for p in mine]
+    nowhere: AbstractContextManager[Path | None] = nullcontext()
+    folder = nowhere if output is None else replaced_in_one_step(make_folder(output))
+    with folder as place:
+        with progress.stage(f"Measuring in {len(files)} images", len(files)) as advance:
+            for file, viewpoint in files:
+                mine = [p for p in planned if p.viewpoint == viewpoint]
+                why = _other_size(file, inspection)
+                if why:
+                    _log.warning("%s: %s", file, why)
+                    found += [_judged(file.name, p, None, why, inspection, edges) for p in mine]
+                    advance(1)
+                    continue
+                grey = read_grey(file)
+                expected = [measurands[p.characteristic, p.viewpoint] for p in mine]
+                seen, why = _seen(grey, mine, expected, known[viewpoint], inspection)
+                rows = [
+                    _judged(file.name, p, measurand, why, inspection, edges)
+                    for p, measurand in zip(mine, seen, strict=True)
+                ]
+                found += rows
+                if place is not None:
+                    write_overlay(place / f"{file.stem}.png", grey, _drawn(rows, seen))
                 advance(1)
-                continue
-            grey = read_grey(file)
-            expected = [measurands[p.characteristic, p.viewpoint] for p in mine]
-            seen, why = _seen(grey, mine, expected, known[viewpoint], inspection)
-            rows = [
-                _judged(file.name, p, measurand, why, inspection, edges)
-                for p, measurand in zip(mine, seen, strict=True)
-            ]
-            found += rows
-            if place is not None:
-                write_overlay(place / f"{file.stem}.png", grey, _drawn(rows, seen))
-            advance(1)
-    found += _means(found, planned)
-    if place is not None:
-        write_text_atomically(place / "measurements.csv", _table(found))
+        found += _means(found, planned)
+        if place is not None:
+            write_text_atomically(place / "measurements.csv", _table(found))
     return tuple(found)
 
 
