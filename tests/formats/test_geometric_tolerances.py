@@ -190,10 +190,10 @@ def test_a_size_that_is_a_datum_feature_is_one_record_of_its_own():
 
 def test_a_zone_without_width_and_a_count_that_differs_are_findings():
     record, counts = size(DEVIATIONS)
-    (finding,) = pmi_findings([record], counts, ())
+    (finding,) = pmi_findings([record], counts, (), 0)
     assert (finding.name, finding.refused) == ("tolerance_without_width", False)
     assert "one value was written" in finding.cause
-    assert [f.name for f in pmi_findings([], {"position": 1}, ())] == ["pmi_count"]
+    assert [f.name for f in pmi_findings([], {"position": 1}, (), 0)] == ["pmi_count"]
 
 
 def test_datum_targets_and_general_tolerances_are_noted():
@@ -205,3 +205,8 @@ def test_datum_targets_and_general_tolerances_are_noted():
     notes = " ".join(pmi_notes(text, []))
     assert "Datum targets: A1" in notes
     assert 'General tolerance note, not applied to any dimension: "ISO 2768-mK".' in notes
+
+
+def test_drawn_pmi_without_meaning_is_a_finding():
+    assert [f.name for f in pmi_findings([], {}, (), 7)] == ["graphical_pmi"]
+    assert "7 annotations" in str(pmi_findings([], {}, (), 7)[0])
