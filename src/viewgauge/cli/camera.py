@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,6 +9,7 @@ from cyclopts import Parameter
 
 from .options import DONE, Json
 from .terminal.output import print_json
+from .terminal.reading import print_findings
 
 __all__ = ["camera"]
 
@@ -47,8 +47,7 @@ def camera(
 
     stated = Stated(name, model, None if size is None else parse_size(size))
     calibration = read_calibration(file, stated, accept)
-    for finding in calibration.findings:
-        print(f"viewgauge: warning: {finding}", file=sys.stderr)
+    print_findings(calibration.findings)
     if output is not None:
         write_opencv_camera(output, calibration)
     document = describe_calibration(calibration)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,6 +12,7 @@ from cyclopts import Parameter
 from .options import DONE, Json
 from .terminal.output import print_json
 from .terminal.progress import Bars
+from .terminal.reading import print_findings
 
 __all__ = ["characterize"]
 
@@ -77,7 +76,7 @@ def characterize(
         return _show_poses(poses, samples, output, accept, json)
     bars = Bars()
     character = characterize(samples, progress=bars, conventions=conventions, in_hand=in_hand, accept=accept)
-    _print_findings(character.findings)
+    print_findings(character.findings)
     document = describe_characterization(character)
     if camera is not None:
         with _folder_of(camera):
@@ -101,7 +100,7 @@ def _show_poses(poses: Any, source: Path, output: Path | None, accept: tuple[str
     from ..jobs.conversion.pose_conversion import describe_poses
     from ..jobs.conversion.pose_reading import covariance_findings, write_stated_covariance
 
-    _print_findings(admit(covariance_findings(poses), accept))
+    print_findings(admit(covariance_findings(poses), accept))
     if output is not None:
         with _folder_of(output):
             write_stated_covariance(poses, source, output)
@@ -133,11 +132,6 @@ def _print_stated(covariance: list[list[float]]) -> None:
             if row[m]:
                 share = row[m] / (deviations[k] * deviations[m])
                 print(f"  correlation of {_AXES[m]} and {_AXES[k]}: {share:.3g}")
-
-
-def _print_findings(findings: Iterable[object]) -> None:
-    for finding in findings:
-        print(f"viewgauge: warning: {finding}", file=sys.stderr)
 
 
 def _folder_of(path: Path) -> AbstractContextManager[Any]:

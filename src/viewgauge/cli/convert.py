@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +9,7 @@ from cyclopts import Parameter
 
 from .options import DONE, Json
 from .terminal.output import print_json
+from .terminal.reading import print_findings
 
 __all__ = ["convert"]
 
@@ -69,10 +69,9 @@ def convert(
     stated |= {"rotation": rotation, "quaternion": quaternion, "inverse": "yes" if inverse else None}
     meanings = {key: value for key, value in stated.items() if value is not None}
     done = convert_file(file, output, target, meanings, accept)
-    for finding in done.findings:
-        print(f"viewgauge: warning: {finding}", file=sys.stderr)
+    print_findings(done.findings)
     if json:
-        findings = [{"name": finding.name, "message": str(finding)} for finding in done.findings]
+        findings = [finding.document() for finding in done.findings]
         print_json({"source": done.source, "target": done.target, **(done.document or {}), "findings": findings})
     else:
         print(f"{done.source}, written as {done.target} to {output}")

@@ -269,7 +269,7 @@ def _mapped(
         pool.shutdown(cancel_futures=True)
 
 
-# what rounding may move does not decide: the close look has the last word at the border
+# what rounding may move does not decide: the exact evaluation has the last word at the border
 _SCREEN = NEGLIGIBLE * (1 - 1e-6)
 
 

@@ -20,7 +20,7 @@ __all__ = ["MeasurandLaws"]
 
 @dataclass(frozen=True)
 class MeasurandLaws(Drawable):
-    """What the error of a characteristic is made of, and how sure that makes it.
+    """What the error of a characteristic is made of, and the probability that follows.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def image_segment(
     "joint": both ends move with the same pose error, ``sigma² = J Sigma J^T`` with
     ``J = cos g (J_u2 - J_u1) + sin g (J_v2 - J_v1)``. "independent": the four end-point errors are taken as
     independent ratios of normals, as in eq. 15-17; in ordinary set-ups it overstates the spread
-    by a factor of 13 to 25, but it is no bound for every head (errata, 15).
+    by a factor of 13 to 25, but it is no bound for every pose error (errata, 15).
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +99,7 @@ def describe_calibration(camera: CameraFile) -> dict[str, Any]:
         "standard_uncertainty": deviation,
         "covariance": None if camera.covariance is None else [list(row) for row in camera.covariance],
         "notes": list(camera.notes),
-        "findings": [{**asdict(finding), "message": str(finding)} for finding in camera.findings],
+        "findings": [finding.document() for finding in camera.findings],
     }
 
 

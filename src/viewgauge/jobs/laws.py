@@ -47,8 +47,8 @@ def laws_of_acquisition(
     camera: Camera,
     pose_error: PoseError,
 ) -> MeasurandLaws:
-    """Of one look at a measurand with ends ``(2, 3)`` mm, part frame; ``measurand`` knows the rim it is a diameter
-    of.
+    """The laws of one image of a measurand with ends ``(2, 3)`` mm, part frame; ``measurand`` knows the rim it is a
+    diameter of.
     """
     axis = rim_axes([measurand], T_part_camera[None])[0]
     return MeasurandLaws.of_acquisition(transform(invert(T_part_camera), ends_mm), camera, pose_error, axis)

@@ -113,8 +113,7 @@ def _admitted(inspection: Inspection, file: InspectionFile) -> tuple[Finding, ..
     """The findings that are shown as warnings; raises InputError for those that are refused and not accepted."""
     from ..planning.plausibility import implausible
 
-    of_part: tuple[Finding, ...] = getattr(inspection.part, "findings", ())
-    read = tuple(dict.fromkeys((*of_part, *file.findings)))
+    read = tuple(dict.fromkeys((*inspection.part.findings, *file.findings)))
     said = {finding.name for finding in read}  # by whoever read the file, who knows more of it
     findings = (*read, *(finding for finding in implausible(inspection) if finding.name not in said))
     try:

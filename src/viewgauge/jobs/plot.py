@@ -37,7 +37,7 @@ def plan_chart(
         "scene" (part, measurands, cameras), "table" (viewpoint x characteristic), "budget"; and of one characteristic
         "laws" (of its error), "accuracy" (how surely which accuracy is reached), "directions" (from where).
     characteristic
-        Id, for those; the least sure by default.
+        Id, for those; by default the least probable.
 
     Raises
     ------

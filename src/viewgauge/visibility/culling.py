@@ -145,6 +145,16 @@ def _reasons(views, count, points, normals, normal_count, parameters, reason):  
             codes[s] = code if (Z1 > 0.0) & (Z2 > 0.0) else _BEHIND
 
 
+@numba.njit(inline="always", error_model="numpy")
+def _in_camera(views, s, point):  # type: ignore[no-untyped-def]
+    """Camera coordinates of a point ``(3,)`` mm, part frame, seen from viewpoint s of a block."""
+    x, y, z = point[0], point[1], point[2]
+    X = views[s] * x + views[VIEWS + s] * y + views[2 * VIEWS + s] * z + views[9 * VIEWS + s]
+    Y = views[3 * VIEWS + s] * x + views[4 * VIEWS + s] * y + views[5 * VIEWS + s] * z + views[10 * VIEWS + s]
+    Z = views[6 * VIEWS + s] * x + views[7 * VIEWS + s] * y + views[8 * VIEWS + s] * z + views[11 * VIEWS + s]
+    return X, Y, Z
+
+
 @numba.njit(
     "void(float64[::1], int64, float64[:,:,::1], float64[::1], float64[::1], int8[:,::1])",
     cache=True,
@@ -158,20 +168,7 @@ def _outside_lens(views, count, points, lens, inside, reason):  # type: ignore[n
             if reason[g, s] == _BEHIND or reason[g, s] == _OUT_OF_VIEW:
                 continue
             for end in range(2):
-                x, y, z = points[g, end, 0], points[g, end, 1], points[g, end, 2]
-                X = views[s] * x + views[VIEWS + s] * y + views[2 * VIEWS + s] * z + views[9 * VIEWS + s]
-                Y = (
-                    views[3 * VIEWS + s] * x
-                    + views[4 * VIEWS + s] * y
-                    + views[5 * VIEWS + s] * z
-                    + views[10 * VIEWS + s]
-                )
-                Z = (
-                    views[6 * VIEWS + s] * x
-                    + views[7 * VIEWS + s] * y
-                    + views[8 * VIEWS + s] * z
-                    + views[11 * VIEWS + s]
-                )
+                X, Y, Z = _in_camera(views, s, points[g, end])
                 u, v, a, b, c, d = distorted(lens, X / Z, Y / Z)
                 folded = not (a * d - b * c > 0.0 and a + d > 0.0)
                 folded = folded or inside[4] * inside[4] * Z * Z < X * X + Y * Y
@@ -192,20 +189,7 @@ def _outside_region(views, count, points, lens, place, region, reason):  # type:
             if reason[g, s] == _BEHIND or reason[g, s] == _OUT_OF_VIEW:
                 continue
             for end in range(2):
-                x, y, z = points[g, end, 0], points[g, end, 1], points[g, end, 2]
-                X = views[s] * x + views[VIEWS + s] * y + views[2 * VIEWS + s] * z + views[9 * VIEWS + s]
-                Y = (
-                    views[3 * VIEWS + s] * x
-                    + views[4 * VIEWS + s] * y
-                    + views[5 * VIEWS + s] * z
-                    + views[10 * VIEWS + s]
-                )
-                Z = (
-                    views[6 * VIEWS + s] * x
-                    + views[7 * VIEWS + s] * y
-                    + views[8 * VIEWS + s] * z
-                    + views[11 * VIEWS + s]
-                )
+                X, Y, Z = _in_camera(views, s, points[g, end])
                 u, v, _, _, _, _ = distorted(lens, X / Z, Y / Z)
                 if depth_in_region(region, place[2] + place[0] * u, place[3] + place[1] * v) < place[4]:
                     reason[g, s] = _OUT_OF_VIEW

@@ -17,7 +17,7 @@ from ..planning.inspection import Inspection
 __all__ = ["PlanListener", "Project"]
 
 PlanListener = Callable[[Plan | Stage | ViewgaugeError], None]
-"""Is told how far the first plan is, and then the plan, or why there is none."""
+"""Receives how far the first plan is, and then the plan, or why there is none."""
 
 _AT_ONCE = 2
 """How many visitors' work runs at once; that of others waits."""

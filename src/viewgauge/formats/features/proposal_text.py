@@ -49,14 +49,14 @@ def proposed_section(part_file: str, proposals: Sequence[Proposal]) -> str:
 
 def _entries(proposals: Sequence[Proposal], datums: dict[str, str]) -> Iterator[str]:
     counts = dict.fromkeys(_LETTERS, 0)
-    told = False
+    announced = False
     for proposal in proposals:
         counts[proposal.kind] += 1
         name = f"{_LETTERS[proposal.kind]}{counts[proposal.kind]}"
         if proposal.kind == "position":
-            if not told:
+            if not announced:
                 yield "    # Positions are read and listed, and not measured yet; take the # away to have them listed."
-                told = True
+                announced = True
             letters = ", ".join(datums.get(datum, datum) for datum in proposal.datums)
             basic = ", ".join(_number(value) for value in proposal.basic_mm)
             words = f'position: {proposal.features[0]}, datums: [{letters}], basic: "[{basic}] mm", zone: 0.2 mm'

@@ -139,7 +139,7 @@ def read_options(value: object, problems: Problems) -> tuple[CandidatesSection, 
 
 
 def _member(section: type[RegionSection], value: object, where: KeyPath, problems: Problems) -> RegionMember | None:
-    """What one section states; read apart, so that its problems are told even where others have some."""
+    """What one section states; read apart, so that its problems are reported even where others have some."""
     read = validate(section, value, where, problems)
     return None if read is None else build(read.build, where, problems)
 

@@ -121,7 +121,7 @@ def describe_characterization(character: Characterization) -> dict[str, Any]:
         "factor_at_95": small_sample_factor(pose_error.degrees_of_freedom, 0.95),
         "hand_eye": None if character.hand_eye is None else _hand_eye_document(character.hand_eye),
         "board": None if character.board is None else _board_document(character.board),
-        "findings": [{"name": finding.name, "message": str(finding)} for finding in character.findings],
+        "findings": [finding.document() for finding in character.findings],
     }
 
 

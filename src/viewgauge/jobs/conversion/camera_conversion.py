@@ -41,6 +41,6 @@ class CameraConversion:
         writer.write(output, camera)
         findings = camera.findings
         if camera.covariance is not None and target != "opencv":
-            told = f"{writer.name} has no place for the uncertainty of the calibration, which is not written"
-            findings = (*findings, Finding("uncertainty_not_written", told, where=str(output)))
+            found = f"{writer.name} has no place for the uncertainty of the calibration, which is not written"
+            findings = (*findings, Finding("uncertainty_not_written", found, where=str(output)))
         return Converted(camera.format, writer.name, findings, describe_calibration(camera))

@@ -102,9 +102,9 @@ def improve(inspection: Inspection, *, progress: Progress | None = None) -> Impr
 def settled_improvement(inspection: Inspection, plan: Plan) -> Improvement | None:
     """By how much each error must be less, or may be more, with the viewpoints of a plan as they stand.
 
-    Characteristics are judged by their most probable viewpoint, or, if none is sure enough, by the best pose that was
-    tried. Those that are averaged from several viewpoints, or seen from nowhere, are left out; None where nothing
-    remains. No candidate is looked at: :func:`improve` may find that less has to change.
+    Characteristics are judged by their most probable viewpoint, or, if none meets the requirement, by the best pose
+    that was tried. Those that are averaged from several viewpoints, or seen from nowhere, are left out; None where
+    nothing remains. No candidate is evaluated: :func:`improve` may find that less has to change.
     """
     single = {d.id for d in plan.characteristics if d.T_part_camera is not None and not d.acquisitions}
     characteristics = tuple(

@@ -37,6 +37,15 @@ def opencv() -> Any:
     return cv2
 
 
+def marker_dictionary(name: str | int) -> Any:
+    """A dictionary of markers by OpenCV's name, such as ``DICT_6X6_250``, or number; raises TypeError or an error of
+    OpenCV's for one that it does not have.
+    """
+    cv2 = opencv()
+    number: Any = getattr(cv2.aruco, name, "unknown") if isinstance(name, str) else name
+    return cv2.aruco.getPredefinedDictionary(number)
+
+
 class Target(Protocol):
     """A calibration target."""
 
@@ -102,11 +111,8 @@ class Board:
     @cached_property
     def _made(self) -> Any:
         cv2 = opencv()
-        number: Any = self.dictionary
-        if isinstance(number, str):
-            number = getattr(cv2.aruco, number, "unknown")
         try:
-            markers = cv2.aruco.getPredefinedDictionary(number)
+            markers = marker_dictionary(self.dictionary)
             return cv2.aruco.CharucoBoard((self.columns, self.rows), self.square_mm, self.marker_mm, markers)
         except (cv2.error, TypeError, SystemError) as error:
             raise InputError(

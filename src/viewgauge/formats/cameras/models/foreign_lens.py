@@ -79,9 +79,9 @@ def replaced_by_radial_tangential(
         )
         return None
     residual = replaced.residual_px
-    told = f"{residual:.1g}" if residual >= 1e-6 else "less than 1e-06"
+    most = f"{residual:.1g}" if residual >= 1e-6 else "less than 1e-06"
     count = len(replaced.lens.coefficients)
     return ForeignLens(
         replaced.lens,
-        f"{name} model converted to a radial-tangential one ({count} coefficients): at most {told} px off in the image",
+        f"{name} model converted to a radial-tangential one ({count} coefficients): at most {most} px off in the image",
     )

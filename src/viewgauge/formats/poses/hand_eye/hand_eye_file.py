@@ -51,7 +51,7 @@ class HandEyeFormat(Protocol):
 
     @property
     def cannot_say(self) -> str:
-        """What such a file cannot say, and how it is told; "-" if nothing."""
+        """What such a file cannot say, and how the user states it; "-" if nothing."""
         ...
 
     def recognises(self, document: PoseDocument) -> bool:

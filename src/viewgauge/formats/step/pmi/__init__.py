@@ -3,7 +3,7 @@
 Follows the CAx-IF "Recommended Practices for the Representation and Presentation of PMI (AP242)".
 """
 
-from .dimensions import Dimension, DimensionReader
+from .dimensions import DimensionReader
 from .geometric_tolerances import GeometricToleranceReader
 from .pmi_counts import count_toleranced
 from .pmi_findings import pmi_findings
@@ -12,7 +12,6 @@ from .pmi_records import PmiSource, named_apart, to_pmi_records
 from .pmi_sources import pmi_sources
 
 __all__ = [
-    "Dimension",
     "DimensionReader",
     "GeometricToleranceReader",
     "PmiSource",

@@ -20,9 +20,7 @@ from .dimension_values import DimensionValues
 from .pmi_records import NO_LENGTH, PmiSource, named_apart
 from .shape_aspects import LOCATIONS, SIZES, ShapeAspects, numbers_in
 
-__all__ = ["Dimension", "DimensionReader"]
-
-Dimension = PmiSource
+__all__ = ["DimensionReader"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class DimensionReader:
         """Ranges (records) that the plus-minus tolerances give to each dimension."""
         return self._values.plus_minus
 
-    def dimensions(self) -> tuple[Dimension, ...]:
+    def dimensions(self) -> tuple[PmiSource, ...]:
         """All dimensions in the order of their numbers, with unique names."""
         numbers = self.text.numbers(*LOCATIONS, *SIZES)
         return named_apart([self._dimension(number) for number in numbers])
@@ -59,7 +57,7 @@ class DimensionReader:
         """The shape aspects that a dimension applies to: one of a size, two of a location."""
         return _label_and_sides(self.text.records(number))[1]
 
-    def _dimension(self, number: int) -> Dimension:
+    def _dimension(self, number: int) -> PmiSource:
         parts = self.text.records(number)
         types = {part.type for part in parts}
         label, sides = _label_and_sides(parts)
@@ -92,7 +90,7 @@ class DimensionReader:
             Measurability.NOT_MEASURABLE,
             indication,
         )
-        return Dimension(pmi_record, first, second, problem_first, problem_second)
+        return PmiSource(pmi_record, first, second, problem_first, problem_second)
 
 
 def _label_and_sides(parts: Sequence[Record]) -> tuple[str, list[int]]:

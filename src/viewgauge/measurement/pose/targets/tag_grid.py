@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....exceptions import InputError
-from ..board import opencv
+from ..board import marker_dictionary, opencv
 
 __all__ = ["TagGrid"]
 
@@ -50,11 +50,8 @@ class TagGrid:
     @cached_property
     def _made(self) -> Any:
         cv2 = opencv()
-        number: Any = self.dictionary
-        if isinstance(number, str):
-            number = getattr(cv2.aruco, number, "unknown")
         try:
-            markers = cv2.aruco.getPredefinedDictionary(number)
+            markers = marker_dictionary(self.dictionary)
             return cv2.aruco.GridBoard((self.columns, self.rows), self.tag_mm, self.gap_mm, markers)
         except (cv2.error, TypeError, SystemError) as error:
             got = f"{self.columns} x {self.rows}, {self.tag_mm} and {self.gap_mm} mm, {self.dictionary}"
